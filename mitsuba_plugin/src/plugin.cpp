@@ -25,9 +25,9 @@ static ObjectType type_of(std::string_view plugin) {
 }
 
 [[noreturn, maybe_unused]] static void throw_absent(const Properties &props, const char *variant) {
-    throw std::runtime_error(std::string(props.plugin_name()) + ": this build of analytic-media holds " +
-                             AM_BUILT_VARIANT_NAMES + " but not " + variant +
-                             "; configure it with -DAM_VARIANTS=all");
+    throw std::runtime_error(std::string(props.plugin_name()) +
+                             ": this build of analytic-media holds " + AM_BUILT_VARIANT_NAMES +
+                             " but not " + variant + "; configure it with -DAM_VARIANTS=all");
 }
 
 /// Variants left out of this build are registered too: Mitsuba asks scalar_rgb for the type of a
@@ -35,9 +35,8 @@ static ObjectType type_of(std::string_view plugin) {
 static void register_absent([[maybe_unused]] std::string_view plugin,
                             [[maybe_unused]] PluginRegisterFn add) {
 #define X(variant)                                                                                 \
-    add(plugin, #variant, type_of(plugin), [](void *, const Properties &props) -> ref<Object> {    \
-        throw_absent(props, #variant);                                                             \
-    });
+    add(plugin, #variant, type_of(plugin),                                                         \
+        [](void *, const Properties &props) -> ref<Object> { throw_absent(props, #variant); });
     AM_ABSENT_VARIANTS(X)
 #undef X
 }

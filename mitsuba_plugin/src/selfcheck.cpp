@@ -19,7 +19,7 @@ namespace mitsuba {
 
 /// The types of scalar_rgb, the variant that every build of Mitsuba holds.
 struct ScalarRgb {
-    using Float    = float;
+    using Float = float;
     using Spectrum = Color<float, 3>;
     MI_IMPORT_TYPES(Medium, PhaseFunction, PhaseFunctionContext)
 
@@ -28,18 +28,21 @@ struct ScalarRgb {
 
 // Layout of the wheel. Dr.Jit's static arrays grow and shrink with the instruction set.
 #define AM_WRONG_LAYOUT "layout differs from Mitsuba's wheel: compile with -march=haswell"
-static_assert(sizeof(ScalarRgb::Color3f) == 16 && alignof(ScalarRgb::Color3f) == 16, AM_WRONG_LAYOUT);
+static_assert(sizeof(ScalarRgb::Color3f) == 16 && alignof(ScalarRgb::Color3f) == 16,
+              AM_WRONG_LAYOUT);
 static_assert(sizeof(dr::mask_t<ScalarRgb::Color3f>) == 16, AM_WRONG_LAYOUT);
-static_assert(sizeof(ScalarRgb::Vector3d) == 32 && alignof(ScalarRgb::Vector3d) == 32, AM_WRONG_LAYOUT);
+static_assert(sizeof(ScalarRgb::Vector3d) == 32 && alignof(ScalarRgb::Vector3d) == 32,
+              AM_WRONG_LAYOUT);
 static_assert(alignof(dr::Array<uint64_t, 4>) == 32, AM_WRONG_LAYOUT);
 static_assert(sizeof(ScalarRgb::MediumInteraction3f) == 224, AM_WRONG_LAYOUT);
 #undef AM_WRONG_LAYOUT
 
 [[noreturn]] static void refuse(const std::string &what, const std::string &found,
                                 const std::string &expected) {
-    throw std::runtime_error("analytic-media does not fit the running Mitsuba: " + what + " is " + found +
-                             ", expected " + expected +
-                             ". Install mitsuba==" AM_MITSUBA_VERSION " or rebuild analytic-media.");
+    throw std::runtime_error("analytic-media does not fit the running Mitsuba: " + what + " is " +
+                             found + ", expected " + expected +
+                             ". Install mitsuba==" AM_MITSUBA_VERSION
+                             " or rebuild analytic-media.");
 }
 
 /// The library reports "Mitsuba version 3.9.1 (..., 8-wide SIMD)".
@@ -47,7 +50,7 @@ static void check_version() {
     const std::string report = util::info_build(1);
 
     const std::string prefix = "Mitsuba version ";
-    const std::string found  = report.substr(prefix.size(), report.find(" (") - prefix.size());
+    const std::string found = report.substr(prefix.size(), report.find(" (") - prefix.size());
     if (report.compare(0, prefix.size(), prefix) != 0 || found != AM_MITSUBA_VERSION)
         refuse("its version", '"' + found + '"', AM_MITSUBA_VERSION);
 
@@ -68,7 +71,8 @@ static void check_value(const char *what, float found, double expected) {
     std::ostringstream found_text, expected_text;
     found_text << found;
     expected_text << expected;
-    refuse(std::string("the binary interface (") + what + ")", found_text.str(), expected_text.str());
+    refuse(std::string("the binary interface (") + what + ")", found_text.str(),
+           expected_text.str());
 }
 
 /// Values known by heart, through the same structures and virtual functions that our own plugins

@@ -14,8 +14,9 @@ public:
     AnalyticVolpathIntegrator(const Properties &props) : Base(props) {}
 
     std::pair<Spectrum, Mask> sample(const Scene * /* scene */, Sampler * /* sampler */,
-                                     const RayDifferential3f & /* ray */, const Medium * /* medium */,
-                                     Float * /* aovs */, Mask active) const override {
+                                     const RayDifferential3f & /* ray */,
+                                     const Medium * /* medium */, Float * /* aovs */,
+                                     Mask active) const override {
         return { Spectrum(0.f), active };
     }
 
