@@ -12,6 +12,7 @@
 #include <mitsuba/render/interaction.h>
 #include <mitsuba/render/medium.h>
 #include <mitsuba/render/phase.h>
+#include <mitsuba/render/volume.h>
 
 #include "lists.h"
 
@@ -21,7 +22,7 @@ namespace mitsuba {
 struct ScalarRgb {
     using Float = float;
     using Spectrum = Color<float, 3>;
-    MI_IMPORT_TYPES(Medium, PhaseFunction, PhaseFunctionContext)
+    MI_IMPORT_TYPES(Medium, PhaseFunction, PhaseFunctionContext, Volume)
 
     static void check_layout();
 };
@@ -79,6 +80,15 @@ static void check_value(const char *what, float found, double expected) {
 /// use: a field or an argument in another place shows.
 void ScalarRgb::check_layout() {
     const double g = 0.5, sigma_t = 2.0, albedo = 0.25;
+
+    // A colour travels in registers: where its size is wrong, this shows it without touching memory
+    // that is not ours. It must come first, the structures below would overflow.
+    Properties volume_props("constvolume");
+    volume_props.set("value", albedo);
+    ref<Volume> volume = PluginManager::instance()->create_object<Volume>(volume_props);
+    Color3f colour = volume->eval(dr::zeros<Interaction3f>(), true);
+    for (size_t i = 0; i < 3; ++i)
+        check_value("colour", colour[i], albedo);
 
     Properties phase_props("hg");
     phase_props.set("g", g);
