@@ -61,8 +61,9 @@ test-python: build
 	@echo "== Python and Mitsuba"
 	pytest
 
-install: .venv/.requirements
-	cmake -G Ninja -S . -B build/library -DCMAKE_BUILD_TYPE=Release \
+# CMake may be the system's; .venv is made for it only where there is none.
+install: $(if $(shell command -v cmake),,.venv/.requirements)
+	cmake -S . -B build/library -DCMAKE_BUILD_TYPE=Release \
 	    -DAM_MITSUBA_PLUGIN=OFF -DCMAKE_INSTALL_PREFIX=$(abspath $(PREFIX))
 	cmake --build build/library
 	cmake --install build/library

@@ -15,6 +15,7 @@ install(FILES "${PROJECT_BINARY_DIR}/libanalytic_media.so" DESTINATION ${CMAKE_I
 
 # What a Rust static library needs from the system (rustc --print native-static-libs).
 set(AM_SYSTEM_LIBRARIES "-lgcc_s -lpthread -lm -ldl -lc")
+file(RELATIVE_PATH AM_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(cmake/analytic_media.pc.in "${PROJECT_BINARY_DIR}/analytic_media.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/analytic_media.pc"
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
