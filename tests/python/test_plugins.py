@@ -1,0 +1,41 @@
+"""The plugins load in every variant, and refuse a Mitsuba they were not built for."""
+
+import subprocess
+import sys
+
+import mitsuba as mi
+import pytest
+
+from analytic_media import _build, _plugins
+
+PLUGINS = ("analytic", "analyticvolume", "analyticvolpath")
+
+
+def test_every_variant_of_the_wheel_is_built():
+    """`mi.variants()` is the wheel's own list; a developer build may hold fewer."""
+    if set(_build.VARIANTS) != set(mi.variants()):
+        pytest.skip(f"developer build with {', '.join(_build.VARIANTS)}")
+    assert tuple(mi.variants()) == _build.VARIANTS
+
+
+@pytest.mark.parametrize("variant", [v for v in _build.VARIANTS if v.startswith("scalar")])
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_plugin_loads_by_its_name(variant, plugin):
+    """The class says its own name, so a loader that leads to another plugin shows."""
+    mi.set_variant(variant)
+    assert plugin in str(mi.load_dict({"type": plugin})).lower()
+
+
+def test_worker_process_finds_the_plugins():
+    """The file resolver is per process; importing the package is all a worker needs."""
+    code = (
+        "import analytic_media, mitsuba as mi; mi.set_variant('scalar_rgb');"
+        "mi.load_dict({'type': 'analytic'})"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd="/")
+
+
+def test_another_mitsuba_version_is_refused(monkeypatch):
+    monkeypatch.setattr(mi, "__version__", "3.8.0")
+    with pytest.raises(ImportError, match=r"built for Mitsuba 3\.9\.1 but 3\.8\.0"):
+        _plugins.register()
