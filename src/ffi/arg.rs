@@ -1,0 +1,40 @@
+//! Checks of pointers that come from C.
+
+use super::{AmStatus, Failure};
+
+fn null(name: &str) -> Failure {
+    Failure::new(AmStatus::NullPointer, format!("{name} must not be null"))
+}
+
+/// The object behind a pointer.
+///
+/// # Safety
+/// `pointer` is null or points to a valid `T` that lives as long as `'a`.
+pub unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
+    // SAFETY: promised by the caller.
+    unsafe { pointer.as_ref() }.ok_or_else(|| null(name))
+}
+
+/// The `n` items behind a pointer, which may be null if `n` is 0.
+///
+/// # Safety
+/// `pointer` is null or points to `n` valid items that live as long as `'a`.
+pub unsafe fn slice<'a, T>(pointer: *const T, n: usize, name: &str) -> Result<&'a [T], Failure> {
+    if n == 0 {
+        return Ok(&[]);
+    }
+    if pointer.is_null() {
+        return Err(null(name));
+    }
+    // SAFETY: promised by the caller.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, n) })
+}
+
+/// Fails if `pointer` is null although there is something to write to it.
+pub fn output<T>(pointer: *mut T, n: usize, name: &str) -> Result<(), Failure> {
+    if n > 0 && pointer.is_null() {
+        Err(null(name))
+    } else {
+        Ok(())
+    }
+}

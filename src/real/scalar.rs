@@ -1,0 +1,77 @@
+//! `Real` for `f32` and `f64`.
+
+use super::{Mask, Real};
+
+impl Mask for bool {
+    fn any(self) -> bool {
+        self
+    }
+}
+
+macro_rules! scalar {
+    ($($float:ident)*) => { $(
+        impl Real for $float {
+            type Mask = bool;
+
+            #[inline]
+            fn lit(self, value: f64) -> Self {
+                value as $float
+            }
+            #[inline]
+            fn digits(self) -> u32 {
+                $float::MANTISSA_DIGITS
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                $float::exp(self)
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                $float::ln(self)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                $float::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                $float::max(self, other)
+            }
+            #[inline]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // Without the instruction, `mul_add` is a slow library call.
+                if cfg!(target_feature = "fma") {
+                    $float::mul_add(self, a, b)
+                } else {
+                    self * a + b
+                }
+            }
+            #[inline]
+            fn detach(self) -> Self {
+                self
+            }
+            #[inline]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline]
+            fn select(mask: bool, a: Self, b: Self) -> Self {
+                if mask { a } else { b }
+            }
+        }
+    )* };
+}
+
+scalar!(f32 f64);
