@@ -6,8 +6,7 @@ include(CMakePackageConfigHelpers)
 
 set(shared_name "libanalytic_media.so.${AM_SOVERSION}")
 
-install(FILES include/analytic_media.h include/analytic_media.hpp
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES "${AM_STATIC_LIBRARY}" DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES "${AM_SHARED_LIBRARY}" DESTINATION ${CMAKE_INSTALL_LIBDIR} RENAME ${shared_name})
 file(CREATE_LINK ${shared_name} "${PROJECT_BINARY_DIR}/libanalytic_media.so" SYMBOLIC)
