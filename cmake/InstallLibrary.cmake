@@ -13,7 +13,7 @@ file(CREATE_LINK ${shared_name} "${PROJECT_BINARY_DIR}/libanalytic_media.so" SYM
 install(FILES "${PROJECT_BINARY_DIR}/libanalytic_media.so" DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
 # What a Rust static library needs from the system (rustc --print native-static-libs).
-set(AM_SYSTEM_LIBRARIES "-lgcc_s -lpthread -lm -ldl -lc")
+set(AM_SYSTEM_LIBRARIES "-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc")
 file(RELATIVE_PATH AM_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(cmake/analytic_media.pc.in "${PROJECT_BINARY_DIR}/analytic_media.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/analytic_media.pc"
