@@ -1,5 +1,21 @@
-"""Participating media in closed form, for NumPy and for Mitsuba 3."""
+"""Participating media in closed form, for NumPy and for Mitsuba 3.
 
+    import analytic_media as am
+
+    fog = am.Medium([(am.Exponential(scale_height=20), 0.1)])
+    fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
+
+`am.jit` asks the same of Dr.Jit arrays. Importing the package makes its plugins known to
+Mitsuba, where that is installed.
+"""
+
+from . import jit
+from ._native import version as _version
 from ._plugins import register as _register
+from .medium import Medium
+from .profiles import Constant, Exponential, Linear, Profile
+
+__all__ = ["Constant", "Exponential", "Linear", "Medium", "Profile", "jit"]
+__version__ = _version()
 
 _register()

@@ -1,0 +1,175 @@
+"""Arguments and results as NumPy arrays: checks, broadcasting, and float types."""
+
+from collections.abc import Callable
+from itertools import combinations, pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _native
+
+UNIT_TOLERANCE = 1e-5  # of the length of a direction: what float32 keeps, and the library allows
+
+
+class Argument(NamedTuple):
+    """An argument as the caller gave it: `item` is the shape of one, `check` its range."""
+
+    name: str
+    value: object
+    item: tuple[int, ...]
+    check: Callable[[str, np.ndarray], None]
+
+
+def point(name, value) -> Argument:
+    """Points (..., 3), finite lengths."""
+    return Argument(name, value, (3,), _check_finite)
+
+
+def corner(name, value) -> Argument:
+    """Corners of boxes (..., 3), lengths that may be infinite."""
+    return Argument(name, value, (3,), _check_number)
+
+
+def direction(name, value) -> Argument:
+    """Unit vectors (..., 3)."""
+    return Argument(name, value, (3,), _check_unit)
+
+
+def amount(name, value) -> Argument:
+    """Numbers from 0 to infinity, both included."""
+    return Argument(name, value, (), _check_amount)
+
+
+def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
+    """Segments: origins, directions and lengths."""
+    return point("o", o), direction("d", d), amount("t", t)
+
+
+def answer(model: _native.Model, question: str, *inputs: Argument | int, outputs=1, width=()):
+    """Ask `question` for every item of the broadcast arguments.
+
+    Returns an array of the shape of the broadcast items, followed by `width`; a tuple of such
+    arrays if there are several `outputs`.
+    """
+    arguments = [argument for argument in inputs if isinstance(argument, Argument)]
+    shape, arrays = _broadcast(arguments)
+    items = iter([_items(array, a.item) for array, a in zip(arrays, arguments, strict=True)])
+    results = [np.empty(shape + width, arrays[0].dtype) for _ in range(outputs)]
+    n = int(np.prod(shape, dtype=np.intp))
+    _native.ask(
+        model, question, n, [i if isinstance(i, int) else next(items) for i in inputs], results
+    )
+    scalars_or_arrays = tuple(result[()] for result in results)
+    return scalars_or_arrays if outputs > 1 else scalars_or_arrays[0]
+
+
+def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
+    """Shape of the items, and the checked arguments broadcast to it, in one float type."""
+    arrays = [_real(argument) for argument in arguments]
+    given = {
+        array.dtype
+        for array, argument in zip(arrays, arguments, strict=True)
+        if hasattr(argument.value, "dtype") and array.dtype.kind == "f"
+    }
+    dtype = np.float32 if given == {np.dtype(np.float32)} else np.float64
+    arrays = [array.astype(dtype, copy=False) for array in arrays]
+    for array, argument in zip(arrays, arguments, strict=True):
+        argument.check(argument.name, array)
+
+    batches = [a.shape[: a.ndim - len(arg.item)] for a, arg in zip(arrays, arguments, strict=True)]
+    try:
+        shape = np.broadcast_shapes(*batches)
+    except ValueError:
+        raise ValueError(_mismatch(arguments, arrays, batches)) from None
+    full = [np.broadcast_to(a, shape + arg.item) for a, arg in zip(arrays, arguments, strict=True)]
+    return shape, full
+
+
+def _mismatch(arguments, arrays, batches) -> str:
+    for (a, first, shape), (b, second, other) in combinations(
+        zip(arguments, arrays, batches, strict=True), 2
+    ):
+        try:
+            np.broadcast_shapes(shape, other)
+        except ValueError:
+            return (
+                f"{b.name} has the shape {second.shape}, which does not broadcast against "
+                f"{a.name} with the shape {first.shape}"
+            )
+    raise AssertionError("shapes that do not broadcast have a pair that does not")
+
+
+def _real(argument: Argument) -> np.ndarray:
+    try:
+        array = np.asarray(argument.value)
+    except ValueError as error:
+        raise ValueError(f"{argument.name} must be an array of real numbers: {error}") from None
+    if array.dtype.kind not in "fiub":
+        raise ValueError(
+            f"{argument.name} must be an array of real numbers, got {argument.value!r}"
+        )
+    if argument.item and array.shape[-1:] != argument.item:
+        raise ValueError(f"{argument.name} must have the shape (..., 3), got {array.shape}")
+    return array
+
+
+def _items(array: np.ndarray, item: tuple[int, ...]) -> _native.Items:
+    """Where the items of a broadcast array lie; copied only if one stride cannot say it."""
+    stride = _stride(array, item)
+    if stride is None:
+        array = np.ascontiguousarray(array)
+        stride = 3 if item else 1
+    return _native.Items(array, stride)
+
+
+def _stride(array: np.ndarray, item: tuple[int, ...]) -> int | None:
+    """The stride between items, in numbers; None if there is not one stride for all."""
+    size, width = array.itemsize, 3 if item else 1
+    batch = array.ndim - len(item)
+    if item and array.strides[-1] != size:
+        return None
+    axes = [(n, s) for n, s in zip(array.shape[:batch], array.strides, strict=False) if n != 1]
+    if all(step == 0 for _, step in axes):
+        return 0
+    nested = all(outer == n * inner for (_, outer), (n, inner) in pairwise(axes))
+    step = axes[-1][1]
+    return step // size if nested and step >= width * size and step % size == 0 else None
+
+
+# ---- Ranges ----------------------------------------------------------------------------------
+
+
+def _require(good: np.ndarray, name: str, reason: str, values: np.ndarray) -> None:
+    if np.all(good):
+        return
+    index = tuple(int(i) for i in np.unravel_index(np.argmin(good), np.shape(good)))
+    where = f" at index {index}" if index else ""
+    raise ValueError(f"{name} must be {reason}, got {values[index]}{where}")
+
+
+def _check_finite(name, array):
+    _require(np.isfinite(array), name, "finite", array)
+
+
+def _check_number(name, array):
+    _require(~np.isnan(array), name, "a number", array)
+
+
+def _check_amount(name, array):
+    _require(array >= 0, name, ">= 0 and may be infinite", array)
+
+
+def _check_unit(name, array):
+    length = np.sqrt(np.einsum("...i,...i", array, array, dtype=np.float64))
+    good = np.abs(length - 1) <= UNIT_TOLERANCE
+    _require(good, name, f"a unit vector (to within {UNIT_TOLERANCE:g})", _Lengths(length, array))
+
+
+class _Lengths(NamedTuple):
+    """Shows an offending direction with its length."""
+
+    length: np.ndarray
+    array: np.ndarray
+
+    def __getitem__(self, index):
+        return f"the length {self.length[index]:.9g} of {self.array[index]}"

@@ -1,0 +1,285 @@
+"""The C library: the only file with pointers.
+
+Declarations come from the header that lies beside the library, so nothing that C says is said
+again here. Questions about arrays go through `ask`, those of hosts through a `Recording`.
+"""
+
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import cffi
+import numpy as np
+
+_PACKAGE = Path(__file__).parent
+_SOURCE_TREE = _PACKAGE.parents[1]
+_LIBRARY = "libanalytic_media.so"
+_HEADER = "analytic_media.h"
+
+
+def declarations(header: str) -> str:
+    """What cffi can read of a C header: declarations and numeric constants.
+
+    Conditions are resolved as for a C11 compiler: the header only ever asks for C++ or C23.
+    """
+    text = re.sub(r"//[^\n]*|/\*.*?\*/", "", header, flags=re.DOTALL)
+    kept, taken = [], [True]
+    for line in text.splitlines():
+        match line.split():
+            case ["#if" | "#ifdef", *_]:
+                taken.append(False)
+            case ["#ifndef", *_]:
+                taken.append(True)
+            case ["#else"]:
+                taken[-1] = not taken[-1]
+            case ["#endif"]:
+                taken.pop()
+            case ["#include", *_] | ["#define", _]:
+                pass
+            case _ if all(taken):
+                kept.append(line)
+    return "\n".join(kept)
+
+
+def _find(name: str, places: Sequence[Path]) -> Path:
+    for place in places:
+        if (place / name).is_file():
+            return place / name
+    looked = ", ".join(str(place) for place in places)
+    raise ImportError(f"{name} not found in {looked}: run 'make build' or 'cargo build --release'")
+
+
+def _library() -> Path:
+    chosen = os.environ.get("ANALYTIC_MEDIA_LIBRARY")
+    if chosen is None:
+        return _find(_LIBRARY, [_PACKAGE / "lib", _SOURCE_TREE / "target" / "release"])
+    if not Path(chosen).is_file():
+        raise ImportError(f"ANALYTIC_MEDIA_LIBRARY must name a file, got {chosen!r}")
+    return Path(chosen).resolve()
+
+
+def _load() -> tuple[cffi.FFI, Any]:
+    ffi = cffi.FFI()
+    header = _find(_HEADER, [_PACKAGE / "lib", _SOURCE_TREE / "include"])
+    ffi.cdef(declarations(header.read_text(encoding="utf-8")))
+    path = _library()
+    lib = ffi.dlopen(str(path))
+    if lib.am_abi_version() != lib.AM_ABI_VERSION:
+        raise ImportError(
+            f"{path} has ABI version {lib.am_abi_version()} but {header} is for version "
+            f"{lib.AM_ABI_VERSION}: rebuild analytic-media"
+        )
+    return ffi, lib
+
+
+_ffi, _lib = _load()
+
+
+def version() -> str:
+    """Version of the library, for example "0.1.0"."""
+    return _ffi.string(_lib.am_version()).decode()
+
+
+def _check(status: int) -> None:
+    """ValueError for a bad argument, RuntimeError for a bug, with the library's own text."""
+    if status == _lib.AM_STATUS_OK:
+        return
+    message = _ffi.string(_lib.am_last_error()).decode()
+    raise (RuntimeError if status == _lib.AM_STATUS_PANIC else ValueError)(message)
+
+
+# ---- Profiles and media ----------------------------------------------------------------------
+
+
+class Parameter(NamedTuple):
+    """A parameter of a profile: `default` is None if it must be given."""
+
+    name: str
+    size: int
+    offset: int
+    default: tuple[float, ...] | None
+
+
+class Kind(NamedTuple):
+    """A kind of profile, as the library describes it."""
+
+    number: int
+    name: str
+    parameters: tuple[Parameter, ...]
+
+
+class Model(NamedTuple):
+    """A checked profile or medium: what questions are asked of.
+
+    `name` is the C name, "profile" or "medium"; `owned` keeps alive what `pointer` borrows.
+    """
+
+    name: str
+    pointer: Any
+    owned: tuple = ()
+
+
+def kind(name: str) -> Kind:
+    """The kind of profile called `name`."""
+    number = _ffi.new("uint32_t *")
+    _check(_lib.am_profile_kind(name.encode(), number))
+    return _describe(number[0])
+
+
+def kinds() -> list[Kind]:
+    """All kinds of profile."""
+    found = []
+    try:
+        while True:
+            found.append(_describe(len(found)))
+    except ValueError:
+        return found
+
+
+def _describe(number: int) -> Kind:
+    name = _ffi.new("char[AM_NAME_SIZE]")
+    count = _ffi.new("uint32_t *")
+    _check(_lib.am_profile_describe(number, _ffi.addressof(name), count))
+    parameters = tuple(_parameter(number, index) for index in range(count[0]))
+    return Kind(number, _ffi.string(name).decode(), parameters)
+
+
+def _parameter(number: int, index: int) -> Parameter:
+    got = _ffi.new("am_parameter *")
+    _check(_lib.am_profile_parameter(number, index, got))
+    default = None if got.required else tuple(got.defaults)[: got.size]
+    return Parameter(_ffi.string(got.name).decode(), got.size, got.offset, default)
+
+
+def profile(number: int, values: Sequence[float]) -> Model:
+    """A profile with the values of its parameters, one after the other; ValueError if bad."""
+    pointer = _ffi.new("am_profile *", {"kind": number, "values": list(values)})
+    _check(_lib.am_profile_check(pointer))
+    return Model("profile", pointer)
+
+
+def medium(profiles: Sequence[Model], sigma_t: np.ndarray) -> Model:
+    """A medium; `sigma_t` has the shape (components, channels). ValueError if bad."""
+    structs = _ffi.new("am_profile[]", [p.pointer[0] for p in profiles])
+    numbers = _ffi.new("double[]", sigma_t.ravel().tolist())
+    pointer = _ffi.new("am_medium *", [structs, numbers, *sigma_t.shape])
+    _check(_lib.am_medium_check(pointer))
+    return Model("medium", pointer, (structs, numbers))
+
+
+# ---- Arrays ----------------------------------------------------------------------------------
+
+_FORMS = {np.dtype(np.float32): ("f32", "float"), np.dtype(np.float64): ("f64", "double")}
+
+
+class Items(NamedTuple):
+    """Memory of an argument: item `i` starts `i * stride` numbers after the first."""
+
+    array: np.ndarray
+    stride: int
+
+
+def ask(model: Model, question: str, n: int, inputs: Sequence[Items | int], outputs) -> None:
+    """Ask `question` for `n` items; write to `outputs`, contiguous arrays of one float type."""
+    form, number = _FORMS[outputs[0].dtype]
+
+    def strided(items):
+        data = _ffi.cast(f"const {number} *", items.array.ctypes.data)
+        return _ffi.new(f"am_array_{form} *", [data, items.stride])[0]
+
+    function = getattr(_lib, f"am_{model.name}_{question}_batch_{form}")
+    arguments = [item if isinstance(item, int) else strided(item) for item in inputs]
+    results = [_ffi.cast(f"{number} *", output.ctypes.data) for output in outputs]
+    _check(function(model.pointer, n, *arguments, *results))
+
+
+# ---- Recording -------------------------------------------------------------------------------
+
+
+class Recording:
+    """Questions that a host computes, operation by operation.
+
+    `host` has `digits` and a method for each of `OPERATIONS`. Its values stay in Python, on a
+    tape; the library sees their slots. Slot 0 stands for what could not be computed.
+    """
+
+    def __init__(self, host):
+        self._host = host
+        self._values = [None]
+        self._error: BaseException | None = None
+        self._handle = _ffi.new_handle(self)
+        fields = {"tape": self._handle, "digits": host.digits, **_ENTRIES}
+        self._table = _ffi.new("am_host_table *", fields)
+
+    def profile(self, number: int, values: Sequence) -> Model:
+        """A profile of the kind `number` with values of the host."""
+        slots = [self._put(value) for value in values]
+        return Model("profile", _ffi.new("am_profile_nodes *", [number, slots]))
+
+    def medium(self, profiles: Sequence[Model], sigma_t: Sequence[Sequence]) -> Model:
+        """A medium; `sigma_t` has a row of values of the host, one per channel, per profile."""
+        structs = _ffi.new("am_profile_nodes[]", [p.pointer[0] for p in profiles])
+        slots = _ffi.new("am_node[]", [self._put(value) for row in sigma_t for value in row])
+        pointer = _ffi.new("am_medium_nodes *", [structs, slots, len(sigma_t), len(sigma_t[0])])
+        return Model("medium", pointer, (structs, slots))
+
+    def ask(self, model: Model, question: str, inputs: Sequence, outputs: int, width: int) -> list:
+        """The results of `question`: `outputs` lists of `width` values of the host.
+
+        `inputs` are tuples of one value (numbers) or three (points), or ints (indices).
+        Raises what a method of the host raised.
+        """
+        results = [_ffi.new("am_node[]", width) for _ in range(outputs)]
+        arguments = [self._argument(value) for value in inputs]
+        function = getattr(_lib, f"am_{model.name}_{question}_record")
+        status = function(self._table, model.pointer, *arguments, *results)
+        if self._error is not None:
+            raise self._error
+        _check(status)
+        return [[self._values[slot] for slot in slots] for slots in results]
+
+    def _argument(self, value):
+        if isinstance(value, int):
+            return value
+        slots = [self._put(component) for component in value]
+        return slots[0] if len(slots) == 1 else _ffi.new("am_node[]", slots)
+
+    def _put(self, value) -> int:
+        self._values.append(value)
+        return len(self._values) - 1
+
+    def _literal(self, value: float) -> int:
+        return self._run(self._host.literal, value)
+
+    def _operate(self, name: str, slots: Sequence[int]) -> int:
+        if 0 in slots:
+            return 0
+        return self._run(getattr(self._host, name), *(self._values[slot] for slot in slots))
+
+    def _run(self, operation, *values) -> int:
+        try:
+            return self._put(operation(*values))
+        except BaseException as error:  # must not reach C; `ask` raises it
+            self._error = self._error or error
+            return 0
+
+
+def _entry(name: str, signature):
+    """The function for an entry of the host table."""
+    if name == "literal":
+        return _ffi.callback(signature, lambda tape, x: _ffi.from_handle(tape)._literal(x))
+    return _ffi.callback(
+        signature, lambda tape, *slots: _ffi.from_handle(tape)._operate(name, slots)
+    )
+
+
+_ENTRIES = {
+    name: _entry(name, field.type)
+    for name, field in _ffi.typeof("am_host_table").fields
+    if field.type.kind == "function"
+}
+
+# What a host computes.
+OPERATIONS = tuple(_ENTRIES)
