@@ -1,28 +1,511 @@
 #pragma once
 
 #include <mitsuba/core/properties.h>
+#include <mitsuba/core/ray.h>
+#include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/emitter.h>
 #include <mitsuba/render/integrator.h>
+#include <mitsuba/render/phase.h>
+#include <mitsuba/render/records.h>
+
+#include "integrators/survey.h"
 
 namespace mitsuba {
 
+/**!
+
+.. _integrator-analyticvolpath:
+
+Analytic volumetric path tracer (:monosp:`analyticvolpath`)
+-----------------------------------------------------------
+
+.. pluginparameters::
+
+ * - max_depth
+   - |int|
+   - Longest path depth, -1 for no limit: 1 is directly visible light, 2 single scattering, and so
+     on. (Default: -1)
+
+ * - rr_depth
+   - |int|
+   - Path depth after which Russian roulette may end a path. (Default: 5)
+
+ * - hide_emitters
+   - |bool|
+   - Hide directly visible emitters. (Default: no)
+
+A volumetric path tracer for :ref:`analytic <medium-analytic>` media. Free flights are drawn by
+inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
+null collisions and no estimates of visibility through the medium. Where the extinction varies with
+wavelength, every flight is drawn from the channel chosen in proportion to the throughput, and
+weighted by the balance heuristic over all channels. Light sources are combined with phase functions
+and BSDFs by multiple importance sampling.
+
+Parameters, path depth and roulette are those of ``volpath``, except that passing an index-matched
+boundary plays no roulette. Stock media in the same scene are rendered by delta tracking, and their
+transmittance is estimated by ratio tracking.
+
+.. tabs::
+    .. code-tab:: xml
+
+        <integrator type="analyticvolpath">
+            <integer name="max_depth" value="16"/>
+        </integrator>
+
+    .. code-tab:: python
+
+        'type': 'analyticvolpath',
+        'max_depth': 16
+
+*/
 template <typename Float, typename Spectrum>
 class AnalyticVolpathIntegrator final : public MonteCarloIntegrator<Float, Spectrum> {
 public:
-    MI_IMPORT_BASE(MonteCarloIntegrator)
-    MI_IMPORT_TYPES(Scene, Sampler, Medium)
+    MI_IMPORT_BASE(MonteCarloIntegrator, m_max_depth, m_rr_depth, m_hide_emitters)
+    MI_IMPORT_TYPES(Scene, Sensor, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Medium, MediumPtr,
+                    PhaseFunction, PhaseFunctionPtr, PhaseFunctionContext)
+    using Analytic = AnalyticMedium<Float, Spectrum>;
+    using AnalyticPtr = dr::replace_scalar_t<Float, const Analytic *>;
 
     AnalyticVolpathIntegrator(const Properties &props) : Base(props) {}
 
-    std::pair<Spectrum, Mask> sample(const Scene * /* scene */, Sampler * /* sampler */,
-                                     const RayDifferential3f & /* ray */,
-                                     const Medium * /* medium */, Float * /* aovs */,
-                                     Mask active) const override {
-        return { Spectrum(0.f), active };
+    TensorXf render(Scene *scene, Sensor *sensor, UInt32 seed, uint32_t spp, bool develop,
+                    bool evaluate) override {
+        m_survey = survey<Float, Spectrum>(scene, sensor->medium());
+        m_surveyed = scene;
+        TensorXf image = Base::render(scene, sensor, seed, spp, develop, evaluate);
+        m_surveyed = nullptr;
+        return image;
     }
 
-    std::string to_string() const override { return "AnalyticVolpathIntegrator[]"; }
+    std::pair<Spectrum, Mask> sample(const Scene *scene, Sampler *sampler,
+                                     const RayDifferential3f &ray, const Medium *medium,
+                                     Float * /* aovs */, Mask active) const override {
+        MI_MASKED_FUNCTION(ProfilerPhase::SamplingIntegratorSample, active);
+        const Survey found =
+            scene == m_surveyed ? m_survey : survey<Float, Spectrum>(scene, medium);
+
+        Path path;
+        path.active = active && m_max_depth > 0;
+        path.ray = Ray3f(ray);
+        path.medium = medium;
+        path.last = dr::zeros<Interaction3f>();
+        path.count_emission = !m_hide_emitters;
+        path.valid = !m_hide_emitters && scene->environment() != nullptr;
+        path.sampler = sampler;
+
+        dr::tie(path) = dr::while_loop(
+            dr::make_tuple(path), [](const Path &p) { return p.active; },
+            [this, scene, found](Path &p) { extend(scene, found, p); }, "analyticvolpath");
+        return { path.result, path.valid };
+    }
+
+    std::string to_string() const override {
+        std::ostringstream oss;
+        oss << "AnalyticVolpathIntegrator[" << std::endl
+            << "  max_depth = " << (int32_t) m_max_depth << "," << std::endl
+            << "  rr_depth = " << m_rr_depth << "," << std::endl
+            << "  hide_emitters = " << m_hide_emitters << std::endl
+            << "]";
+        return oss.str();
+    }
 
     MI_DECLARE_CLASS(AnalyticVolpathIntegrator)
+
+private:
+    /// State of a path between two vertices.
+    struct Path {
+        Mask active;
+        Ray3f ray;
+        MediumPtr medium = nullptr;
+        Spectrum throughput = 1.f;
+        Spectrum result = 0.f;
+        Float eta = 1.f;
+        UInt32 depth = 0;
+        /// Where the path scattered last, and the density of the direction it took there.
+        Interaction3f last;
+        Float last_pdf = 1.f;
+        /// Emission counts fully: it could not have been sampled from the last vertex.
+        Mask count_emission;
+        Mask valid;
+        Sampler *sampler = nullptr;
+
+        DRJIT_STRUCT(Path, active, ray, medium, throughput, result, eta, depth, last, last_pdf,
+                     count_emission, valid, sampler)
+    };
+
+    /// Where a ray ends: at a surface, in a collision, or outside the scene.
+    struct Vertex {
+        SurfaceInteraction3f si;
+        MediumInteraction3f mi;
+        /// Collided with the medium, and scatters there.
+        Mask scatters;
+        /// Collided with nothing real: goes on from mi.p in the same direction.
+        Mask passes;
+    };
+
+    // ---- Media
+
+    static AnalyticPtr as_analytic(const MediumPtr &medium) {
+        if constexpr (dr::is_jit_v<Float>)
+            return dr::reinterpret_array<AnalyticPtr>(medium);
+        else
+            return dynamic_cast<AnalyticPtr>(medium);
+    }
+
+    static Mask is_analytic(const Survey &found, const AnalyticPtr &medium, const Mask &active) {
+        if constexpr (dr::is_jit_v<Float>)
+            return found.foreign ? active && medium->is_analytic(active) : active;
+        else
+            return active && medium != nullptr;
+    }
+
+    /// The channel that stock media draw a distance from, and its throughput-weighted choice.
+    static std::pair<UInt32, UnpolarizedSpectrum> choose_channel(const Spectrum &throughput,
+                                                                 const Float &u) {
+        UnpolarizedSpectrum weight = 0.f;
+        if constexpr (is_rgb_v<Spectrum>) {
+            weight = dr::maximum(unpolarized_spectrum(throughput), 0.f);
+            Float sum = dr::sum(weight);
+            weight = dr::select(sum > 0.f, weight / sum, 1.f / dr::size_v<UnpolarizedSpectrum>);
+            UInt32 channel = 0;
+            Float cdf = 0.f;
+            for (size_t i = 0; i + 1 < dr::size_v<UnpolarizedSpectrum>; ++i) {
+                cdf += weight[i];
+                dr::masked(channel, u >= cdf) = (uint32_t) i + 1;
+            }
+            return { channel, weight };
+        }
+        weight[0] = 1.f; // stock media know the first wavelength only
+        return { 0, weight };
+    }
+
+    /// Traces the ray of `path` to its next vertex, and weighs the throughput accordingly.
+    Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
+        Vertex v;
+        v.mi = dr::zeros<MediumInteraction3f>();
+        v.scatters = v.passes = false;
+
+        Mask in_medium = path.active && path.medium != nullptr;
+        if (!found.media())
+            in_medium = false;
+        AnalyticPtr analytic = as_analytic(path.medium);
+        Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
+
+        UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
+        Float reach = path.ray.maxt, t = dr::Infinity<Float>, u_channel = 0.f;
+        UnpolarizedSpectrum chance = 0.f;
+        if (found.chromatic || found.foreign)
+            u_channel = path.sampler->next_1d(in_medium);
+        Float u = found.media() ? path.sampler->next_1d(in_medium) : Float(0.f);
+        if (dr::any_or<true>(in_ours) && found.analytic)
+            dr::masked(t, in_ours) =
+                analytic->sample_flight(path.ray, throughput, u_channel, u, in_ours);
+        if (found.foreign && dr::any_or<true>(in_foreign)) {
+            UInt32 channel;
+            std::tie(channel, chance) = choose_channel(path.throughput, u_channel);
+            v.mi = path.medium->sample_interaction(path.ray, u, channel, in_foreign);
+            dr::masked(t, in_foreign) = v.mi.t;
+        }
+
+        // The ray needs to be traced only as far as the flight goes.
+        path.ray.maxt = dr::minimum(reach, t);
+        v.si = scene->ray_intersect(path.ray, path.active);
+        Mask collided = in_medium && !v.si.is_valid() && t < reach;
+        Float end = dr::minimum(t, v.si.t);
+
+        if (dr::any_or<true>(in_ours) && found.analytic) {
+            dr::masked(path.throughput, in_ours) *=
+                analytic->flight_weight(path.ray, end, collided, throughput, in_ours);
+            v.scatters |= collided && in_ours;
+        }
+        if (found.foreign && dr::any_or<true>(in_foreign))
+            track(path, v, chance, end, collided && in_foreign, in_foreign);
+
+        dr::masked(v.mi.t, collided) = t;
+        dr::masked(v.mi.p, collided) = path.ray(t);
+        dr::masked(v.mi.wi, collided) = -path.ray.d;
+        dr::masked(v.mi.sh_frame, collided) = Frame3f(v.mi.wi);
+        dr::masked(v.mi.time, collided) = path.ray.time;
+        dr::masked(v.mi.wavelengths, collided) = path.ray.wavelengths;
+        dr::masked(v.mi.medium, collided) = path.medium;
+        return v;
+    }
+
+    /// Delta tracking: weighs a step through a stock medium, and decides what a collision is.
+    void track(Path &path, Vertex &v, const UnpolarizedSpectrum &chance, const Float &end,
+               const Mask &collided, const Mask &active) const {
+        const UnpolarizedSpectrum &majorant = v.mi.combined_extinction;
+        Float length = dr::maximum(end - v.mi.mint, 0.f);
+        UnpolarizedSpectrum depth = length * majorant;
+        Float thinnest = dr::min(dr::select(chance > 0.f, depth, dr::Infinity<Float>));
+        UnpolarizedSpectrum relative = dr::exp(thinnest - depth);
+        Float pdf = dr::sum(chance * relative * dr::select(collided, majorant, 1.f));
+        UnpolarizedSpectrum weight = dr::select(pdf > 0.f, relative / pdf, 0.f);
+
+        Float real = dr::mean(dr::select(majorant > 0.f, v.mi.sigma_t / majorant, 0.f));
+        Mask scatters = collided && path.sampler->next_1d(active) < real,
+             passes = collided && !scatters;
+        dr::masked(weight, scatters) *= v.mi.sigma_s / real;
+        dr::masked(weight, passes) *= v.mi.sigma_n / (1.f - real);
+        dr::masked(path.throughput, active) *= weight;
+        v.scatters |= scatters;
+        v.passes |= passes;
+    }
+
+    /// Transmittance of everything between a vertex and a light source at the end of `ray`.
+    Spectrum transmittance(const Scene *scene, const Survey &found, Sampler *sampler, Ray3f ray,
+                           MediumPtr medium, const Mask &infinite, Mask active) const {
+        Float beyond = dr::select(infinite, dr::Infinity<Float>, 0.f);
+        if (!found.permeable && !found.foreign) {
+            active &= !scene->ray_test(ray, active);
+            Spectrum result = dr::select(active, Spectrum(1.f), 0.f);
+            Mask in_medium = active && medium != nullptr;
+            if (found.media() && dr::any_or<true>(in_medium))
+                dr::masked(result, in_medium) *=
+                    as_analytic(medium)->transmittance(ray, ray.maxt + beyond, in_medium);
+            return result;
+        }
+
+        struct Shadow {
+            Mask active;
+            Ray3f ray;
+            Float rest;
+            MediumPtr medium;
+            Spectrum result;
+            Sampler *sampler;
+            DRJIT_STRUCT(Shadow, active, ray, rest, medium, result, sampler)
+        } shadow = {
+            active, ray, ray.maxt, medium, dr::select(active, Spectrum(1.f), 0.f), sampler
+        };
+
+        dr::tie(shadow) = dr::while_loop(
+            dr::make_tuple(shadow), [](const Shadow &s) { return s.active; },
+            [this, scene, found, beyond](Shadow &s) { pass(scene, found, beyond, s); },
+            "analyticvolpath shadow");
+        return shadow.result;
+    }
+
+    /// One step of a shadow ray: up to the next surface, or to a null collision in a stock medium.
+    template <typename Shadow>
+    void pass(const Scene *scene, const Survey &found, const Float &beyond, Shadow &s) const {
+        s.ray.maxt = s.rest;
+        Mask in_medium = s.active && s.medium != nullptr;
+        AnalyticPtr analytic = as_analytic(s.medium);
+        Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
+
+        Mask collided = false;
+        if (found.foreign && dr::any_or<true>(in_foreign)) {
+            auto mi =
+                s.medium->sample_interaction(s.ray, s.sampler->next_1d(in_foreign), 0, in_foreign);
+            dr::masked(s.ray.maxt, in_foreign) = dr::minimum(s.rest, mi.t);
+            SurfaceInteraction3f si = scene->ray_intersect(s.ray, in_foreign);
+            collided = in_foreign && !si.is_valid() && mi.t < s.rest;
+            Float length = dr::maximum(dr::minimum(s.ray.maxt, si.t) - mi.mint, 0.f);
+            // Drawn from the first channel: the others are weighted.
+            UnpolarizedSpectrum weight =
+                dr::exp(length * (mi.combined_extinction[0] - mi.combined_extinction));
+            dr::masked(weight, collided) *= mi.sigma_n / mi.combined_extinction[0];
+            dr::masked(s.result, in_foreign) *= weight;
+        }
+
+        SurfaceInteraction3f si = scene->ray_intersect(s.ray, s.active);
+        Mask surface = s.active && si.is_valid(), arrives = s.active && !surface && !collided;
+        if (found.analytic && dr::any_or<true>(in_ours)) {
+            Float end = dr::select(surface, si.t, s.rest + beyond);
+            dr::masked(s.result, in_ours) *= analytic->transmittance(s.ray, end, in_ours);
+        }
+        if (dr::any_or<true>(surface)) {
+            Spectrum through = si.bsdf(s.ray)->eval_null_transmission(si, surface);
+            dr::masked(s.result, surface) *= si.to_world_mueller(through, si.wi, si.wi);
+            Mask crosses = surface && si.is_medium_transition();
+            dr::masked(s.medium, crosses) = si.target_medium(s.ray.d);
+        }
+
+        Float step = dr::select(surface, si.t, s.ray.maxt);
+        s.rest -= step;
+        dr::masked(s.ray.o, collided) = s.ray(s.ray.maxt);
+        dr::masked(s.ray, surface) = si.spawn_ray(s.ray.d);
+        s.active &= !arrives && s.rest > 0.f && dr::any(unpolarized_spectrum(s.result) != 0.f);
+    }
+
+    // ---- Path tracing
+
+    /// One vertex: emission found, light sampled, next direction.
+    void extend(const Scene *scene, const Survey &found, Path &path) const {
+        Vertex v = next_vertex(scene, found, path);
+        Mask in_medium = v.scatters, outside = path.active && !v.scatters && !v.passes;
+
+        if (m_hide_emitters)
+            skip_emitters(scene, path, v, outside);
+        add_emission(scene, path, v.si, outside);
+
+        Mask surface = outside && v.si.is_valid();
+        UInt32 next_depth = path.depth + 1;
+        Mask goes_on = next_depth < m_max_depth;
+        in_medium &= goes_on;
+        path.active &= surface || in_medium || v.passes;
+        if (dr::none_or<false>(path.active))
+            return;
+
+        Interaction3f here = dr::select(in_medium, Interaction3f(v.mi), Interaction3f(v.si));
+        BSDFPtr bsdf = dr::zeros<BSDFPtr>();
+        PhaseFunctionPtr phase = dr::zeros<PhaseFunctionPtr>();
+        Mask samples_light = false, medium_samples_light = false;
+        if (dr::any_or<true>(surface)) {
+            bsdf = v.si.bsdf(path.ray);
+            samples_light = surface && goes_on && has_flag(bsdf->flags(), BSDFFlags::Smooth);
+        }
+        if (found.media() && dr::any_or<true>(in_medium)) {
+            dr::masked(phase, in_medium) = path.medium->phase_function();
+            medium_samples_light = in_medium && path.medium->use_emitter_sampling();
+            samples_light |= medium_samples_light;
+        }
+
+        // ---- Sample a light source
+        DirectionSample3f ds = dr::zeros<DirectionSample3f>();
+        Spectrum light = 0.f;
+        if (dr::any_or<true>(samples_light))
+            std::tie(ds, light) =
+                sample_light(scene, found, path, v, here, in_medium, samples_light);
+
+        // ---- Evaluate for the light, and sample the next direction
+        Float u1 = path.sampler->next_1d(path.active);
+        Point2f u2 = path.sampler->next_2d(path.active);
+        Spectrum value = 0.f, weight = 1.f;
+        Float value_pdf = 0.f, pdf = 1.f, eta = 1.f;
+        Vector3f direction = path.ray.d;
+        UInt32 lobes = +BSDFFlags::Null;
+
+        if (dr::any_or<true>(surface)) {
+            auto [bsdf_value, bsdf_pdf, bs, bsdf_weight] =
+                bsdf->eval_pdf_sample(BSDFContext(), v.si, v.si.to_local(ds.d), u1, u2, surface);
+            dr::masked(value, surface) =
+                v.si.to_world_mueller(bsdf_value, -v.si.to_local(ds.d), v.si.wi);
+            dr::masked(value_pdf, surface) = bsdf_pdf;
+            dr::masked(weight, surface) = v.si.to_world_mueller(bsdf_weight, -bs.wo, v.si.wi);
+            dr::masked(pdf, surface) = bs.pdf;
+            dr::masked(eta, surface) = bs.eta;
+            dr::masked(direction, surface) = v.si.to_world(bs.wo);
+            dr::masked(lobes, surface) = bs.sampled_type;
+        }
+        if (found.media() && dr::any_or<true>(in_medium)) {
+            PhaseFunctionContext context(path.sampler);
+            if (dr::any_or<true>(medium_samples_light)) {
+                auto [phase_value, phase_pdf] =
+                    phase->eval_pdf(context, v.mi, ds.d, medium_samples_light);
+                dr::masked(value, in_medium) = phase_value;
+                dr::masked(value_pdf, in_medium) = phase_pdf;
+            }
+            auto [wo, phase_weight, phase_pdf] = phase->sample(context, v.mi, u1, u2, in_medium);
+            dr::masked(weight, in_medium) = phase_weight;
+            dr::masked(pdf, in_medium) = phase_pdf;
+            dr::masked(direction, in_medium) = wo;
+            dr::masked(lobes, in_medium) = +BSDFFlags::DiffuseReflection;
+        }
+
+        if (dr::any_or<true>(samples_light)) {
+            Float mis = mis_weight(ds.pdf, dr::select(ds.delta, 0.f, value_pdf));
+            dr::masked(path.result, samples_light) += path.throughput * value * light * mis;
+        }
+
+        // ---- Move on
+        Mask scattered = (surface && !has_flag(lobes, BSDFFlags::Null)) || in_medium;
+        dr::masked(path.throughput, path.active) *= weight;
+        path.eta *= eta;
+        dr::masked(path.ray, surface || in_medium) = here.spawn_ray(direction);
+        dr::masked(path.ray.o, v.passes) = v.mi.p;
+        path.ray.maxt = dr::Largest<Float>;
+        if (found.media() && found.permeable) {
+            Mask crosses = surface && v.si.is_medium_transition();
+            dr::masked(path.medium, crosses) = v.si.target_medium(direction);
+        }
+
+        dr::masked(path.last, scattered) = here;
+        dr::masked(path.last_pdf, scattered) = pdf;
+        dr::masked(path.depth, scattered) = next_depth;
+        path.valid |= scattered;
+        Mask unsampled =
+            (surface && has_flag(lobes, BSDFFlags::Delta)) || (in_medium && !medium_samples_light);
+        dr::masked(path.count_emission, scattered) = unsampled;
+
+        path.active &= pdf > 0.f && path.depth < m_max_depth &&
+                       dr::any(unpolarized_spectrum(path.throughput) != 0.f);
+        play_roulette(path, scattered);
+    }
+
+    /// Replaces the first hit by what is behind the area lights on the way.
+    void skip_emitters(const Scene *scene, const Path &path, Vertex &v, const Mask &outside) const {
+        Mask skip = outside && v.si.is_valid() && path.depth == 0u;
+        if (dr::any_or<true>(skip))
+            skip &= v.si.shape->is_emitter();
+        if (dr::none_or<false>(skip))
+            return;
+        Ray3f ray = v.si.spawn_ray(path.ray.d);
+        PreliminaryIntersection3f pi = Base::skip_area_emitters(scene, ray, true, skip);
+        dr::masked(v.si, skip) = pi.compute_surface_interaction(ray, +RayFlags::All, skip);
+    }
+
+    /// Light that the ray has run into: a surface that shines, or the environment.
+    void add_emission(const Scene *scene, Path &path, const SurfaceInteraction3f &si,
+                      const Mask &outside) const {
+        EmitterPtr emitter = si.emitter(scene);
+        Mask shines = outside && emitter != nullptr;
+        if (m_hide_emitters)
+            shines &= path.depth > 0u;
+        if (dr::none_or<false>(shines))
+            return;
+        Mask shared = shines && path.depth > 0u && !path.count_emission;
+        Float mis = 1.f;
+        if (dr::any_or<true>(shared)) {
+            DirectionSample3f ds(scene, si, path.last);
+            Float light_pdf = scene->pdf_emitter_direction(path.last, ds, shared);
+            dr::masked(mis, shared) = mis_weight(path.last_pdf, light_pdf);
+        }
+        dr::masked(path.result, shines) += path.throughput * emitter->eval(si, shines) * mis;
+    }
+
+    /// A light source seen from the vertex, and its light, attenuated on the way.
+    std::pair<DirectionSample3f, Spectrum> sample_light(const Scene *scene, const Survey &found,
+                                                        const Path &path, const Vertex &v,
+                                                        const Interaction3f &here,
+                                                        const Mask &in_medium, Mask active) const {
+        auto [ds, light] =
+            scene->sample_emitter_direction(here, path.sampler->next_2d(active), false, active);
+        active &= ds.pdf != 0.f;
+        if (dr::none_or<false>(active))
+            return { ds, Spectrum(0.f) };
+        Ray3f ray = here.spawn_ray_to(ds.p);
+        MediumPtr medium = path.medium;
+        if (found.media() && found.permeable) {
+            Mask crosses = active && !in_medium && v.si.is_medium_transition();
+            dr::masked(medium, crosses) = v.si.target_medium(ray.d);
+        }
+        Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
+        Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
+        return { ds, dr::select(active, through * light, 0.f) };
+    }
+
+    /// Ends paths that carry little, and makes up for them by the rest.
+    void play_roulette(Path &path, const Mask &scattered) const {
+        Mask plays = path.active && scattered && path.depth > m_rr_depth;
+        if (dr::none_or<false>(plays))
+            return;
+        Float brightest = dr::max(unpolarized_spectrum(path.throughput));
+        Float survival = dr::minimum(brightest * dr::square(path.eta), .95f);
+        path.active &= path.sampler->next_1d(plays) < survival || !plays;
+        dr::masked(path.throughput, plays) *= dr::rcp(dr::detach(survival));
+    }
+
+    /// Power heuristic with exponent 2.
+    static Float mis_weight(const Float &a, const Float &b) {
+        Float w = dr::square(a) / (dr::square(a) + dr::square(b));
+        return dr::select(dr::isfinite(w), w, 0.f);
+    }
+
+    Survey m_survey;
+    /// The scene that `m_survey` is about, while it is being rendered.
+    const Scene *m_surveyed = nullptr;
 };
 
 } // namespace mitsuba

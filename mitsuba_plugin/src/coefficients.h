@@ -1,0 +1,151 @@
+// What a medium does to light: extinction and albedo, in one of two ways to state them.
+
+#pragma once
+
+#include <mitsuba/core/properties.h>
+#include <mitsuba/core/string.h>
+#include <mitsuba/render/interaction.h>
+#include <mitsuba/render/volume.h>
+
+namespace mitsuba {
+
+template <typename Float, typename Spectrum> class Coefficients {
+public:
+    MI_IMPORT_TYPES(Volume)
+
+    /// Reads `sigma_t` and `albedo`, or `sigma_a` and `sigma_s`; and `scale`.
+    Coefficients(const Properties &props) {
+        const bool by_parts = props.has_property("sigma_a") || props.has_property("sigma_s");
+        if (by_parts) {
+            for (const char *name : { "sigma_t", "albedo" })
+                if (props.has_property(name))
+                    Throw("\"%s\" and \"%s\" exclude each other: give sigma_t and albedo, or "
+                          "sigma_a and sigma_s",
+                          name, props.has_property("sigma_a") ? "sigma_a" : "sigma_s");
+            for (const char *name : { "sigma_a", "sigma_s" })
+                if (!props.has_property(name))
+                    Throw("\"%s\" is missing: sigma_a and sigma_s go together", name);
+            m_sigma_a = uniform(props, "sigma_a", 0.f);
+            m_sigma_s = uniform(props, "sigma_s", 0.f);
+            m_chromatic = !is_float(props, "sigma_a") || !is_float(props, "sigma_s");
+        } else {
+            m_sigma_t = uniform(props, "sigma_t", 1.f);
+            m_albedo = quantity(props, "albedo", 0.75f, 1.f);
+            m_chromatic = !is_float(props, "sigma_t");
+        }
+        m_scale = props.get<ScalarFloat>("scale", 1.f);
+        if (!(dr::slice(m_scale) >= 0.f) || !dr::isfinite(dr::slice(m_scale)))
+            Throw("scale must be finite and >= 0, got %f", dr::slice(m_scale));
+        update();
+    }
+
+    /// Whether a scene states the extinction by colour or wavelength.
+    bool chromatic() const { return m_chromatic; }
+
+    void traverse(TraversalCallback *cb) {
+        cb->put("scale", m_scale, ParamFlags::Differentiable);
+        if (m_sigma_t) {
+            cb->put("sigma_t", m_sigma_t, ParamFlags::Differentiable);
+            cb->put("albedo", m_albedo, ParamFlags::Differentiable);
+        } else {
+            cb->put("sigma_a", m_sigma_a, ParamFlags::Differentiable);
+            cb->put("sigma_s", m_sigma_s, ParamFlags::Differentiable);
+        }
+    }
+
+    /// Keeps the scale out of compiled kernels.
+    void update() { dr::make_opaque(m_scale); }
+
+    /// Extinction coefficient at relative density 1.
+    template <typename Interaction>
+    UnpolarizedSpectrum sigma_t(const Interaction &it, Mask active) const {
+        if (m_sigma_t)
+            return m_scale * m_sigma_t->eval(it, active);
+        return m_scale * (m_sigma_a->eval(it, active) + m_sigma_s->eval(it, active));
+    }
+
+    /// Single-scattering albedo, 0 where there is no extinction.
+    template <typename Interaction>
+    UnpolarizedSpectrum albedo(const Interaction &it, Mask active) const {
+        if (m_albedo)
+            return m_albedo->eval(it, active);
+        UnpolarizedSpectrum scattered = m_sigma_s->eval(it, active),
+                            lost = scattered + m_sigma_a->eval(it, active);
+        return dr::select(lost > 0.f, scattered / lost, 0.f);
+    }
+
+    std::string to_string() const {
+        std::ostringstream oss;
+        auto line = [&](const char *name, const auto &value) {
+            oss << "  " << name << " = " << string::indent(value) << "," << std::endl;
+        };
+        if (m_sigma_t) {
+            line("sigma_t", m_sigma_t);
+            line("albedo", m_albedo);
+        } else {
+            line("sigma_a", m_sigma_a);
+            line("sigma_s", m_sigma_s);
+        }
+        oss << "  scale = " << m_scale << "," << std::endl;
+        return oss.str();
+    }
+
+    template <typename Payload, typename Callback>
+    void traverse_1_cb_ro(Payload *payload, Callback fn) const {
+        for (const Volume *volume :
+             { m_sigma_t.get(), m_albedo.get(), m_sigma_a.get(), m_sigma_s.get() })
+            dr::traverse_1_fn_ro(volume, payload, fn);
+        dr::traverse_1_fn_ro(m_scale, payload, fn);
+    }
+    template <typename Payload, typename Callback>
+    void traverse_1_cb_rw(Payload *payload, Callback fn) {
+        for (Volume *volume : { m_sigma_t.get(), m_albedo.get(), m_sigma_a.get(), m_sigma_s.get() })
+            dr::traverse_1_fn_rw(volume, payload, fn);
+        dr::traverse_1_fn_rw(m_scale, payload, fn);
+    }
+
+private:
+    static bool is_float(const Properties &props, const char *name) {
+        return !props.has_property(name) || props.type(name) == Properties::Type::Float ||
+               props.type(name) == Properties::Type::Integer;
+    }
+
+    static void check(const char *name, double value, double max) {
+        if (value >= 0.0 && value <= max && dr::isfinite(value))
+            return;
+        if (dr::isfinite(max))
+            Throw("%s must be between 0 and %g, got %g", name, max, value);
+        Throw("%s must be finite and >= 0, got %g", name, value);
+    }
+
+    /// A quantity with values between 0 and `max`.
+    static ref<Volume> quantity(const Properties &props, const char *name, ScalarFloat otherwise,
+                                double max) {
+        if (props.has_property(name) && is_float(props, name))
+            check(name, props.get<ScalarFloat>(name), max);
+        if (props.has_property(name) && props.type(name) == Properties::Type::Color) {
+            auto colour = props.get<Color<double, 3>>(name);
+            for (size_t i = 0; i < 3; ++i)
+                check(name, colour[i], max);
+        }
+        ref<Volume> volume = props.get_volume<Volume>(name, otherwise);
+        check(name, volume->max(), max);
+        return volume;
+    }
+
+    /// A quantity that is constant in space.
+    static ref<Volume> uniform(const Properties &props, const char *name, ScalarFloat otherwise) {
+        ref<Volume> volume = quantity(props, name, otherwise, dr::Infinity<double>);
+        if (volume->class_name() != "ConstVolume")
+            Throw("%s must be constant in space (float, rgb or spectrum), got %s: variation in "
+                  "space belongs to the profile",
+                  name, volume->class_name());
+        return volume;
+    }
+
+    ref<Volume> m_sigma_t, m_albedo, m_sigma_a, m_sigma_s;
+    Float m_scale;
+    bool m_chromatic = false;
+};
+
+} // namespace mitsuba

@@ -1,0 +1,58 @@
+// What of a scene an integrator has to provide for: found out once, instead of at every vertex.
+
+#pragma once
+
+#include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/medium.h>
+#include <mitsuba/render/scene.h>
+#include <mitsuba/render/sensor.h>
+#include <mitsuba/render/shape.h>
+
+#include "media/analytic.h"
+
+namespace mitsuba {
+
+/// Which kinds of media and boundaries occur in a scene.
+struct Survey {
+    /// Some medium is ours.
+    bool analytic = false;
+    /// Some medium is not ours and needs delta and ratio tracking.
+    bool foreign = false;
+    /// Some medium of ours has an extinction that varies with wavelength.
+    bool chromatic = false;
+    /// Some surface lets light through without scattering it, or bounds a medium.
+    bool permeable = false;
+
+    bool media() const { return analytic || foreign; }
+};
+
+/// Looks at every shape and sensor of `scene`, and at the medium that rays start in.
+template <typename Float, typename Spectrum>
+Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum> *initial) {
+    using Medium = mitsuba::Medium<Float, Spectrum>;
+    Survey found;
+    auto look_at = [&](const Medium *medium) {
+        if (!medium)
+            return;
+        if (dynamic_cast<const AnalyticMedium<Float, Spectrum> *>(medium)) {
+            found.analytic = true;
+            found.chromatic |= medium->has_spectral_extinction();
+        } else {
+            found.foreign = true;
+        }
+    };
+    look_at(initial);
+    for (const auto &sensor : scene->sensors())
+        look_at(sensor->medium());
+    for (const auto &shape : scene->shapes()) {
+        if (shape->is_instance()) // of a group, which does not tell what it holds
+            return { true, true, true, true };
+        look_at(shape->interior_medium());
+        look_at(shape->exterior_medium());
+        found.permeable |= shape->is_medium_transition() ||
+                           (shape->bsdf() && has_flag(shape->bsdf()->flags(), BSDFFlags::Null));
+    }
+    return found;
+}
+
+} // namespace mitsuba
