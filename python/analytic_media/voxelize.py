@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-VOL_HEADER_BYTES = 48
-
 
 @dataclass(frozen=True)
 class Grid:
@@ -26,13 +24,6 @@ class Grid:
     @property
     def nbytes(self):
         return self.data.nbytes
-
-    def to_world(self):
-        """4x4 matrix that takes the unit cube to the box."""
-        lower, upper = (np.asarray(corner, dtype=float) for corner in self.bbox)
-        matrix = np.diag([*(upper - lower), 1.0])
-        matrix[:3, 3] = lower
-        return matrix
 
     def times(self, colour):
         """The same grid with one channel per entry of `colour`, each scaled by it."""
@@ -58,7 +49,7 @@ class Grid:
         return result
 
     def write(self, path):
-        """Write Mitsuba's `.vol` format, version 3, float32."""
+        """Write Mitsuba's `.vol` format: version 3, float32, with the box in the header."""
         nz, ny, nx, channels = self.data.shape
         header = b"VOL\x03" + np.array([1, nx, ny, nz, channels], "<i4").tobytes()
         header += np.concatenate(self.bbox).astype("<f4").tobytes()

@@ -83,11 +83,14 @@ BOX_FACES = np.array(
     [[0, 1, 5], [0, 5, 4], [1, 3, 7], [1, 7, 5], [3, 2, 6], [3, 6, 7], [2, 0, 4], [2, 4, 6],
      [4, 5, 7], [4, 7, 6]]
 )  # fmt: skip
-GABLE = np.array(
-    [[-0.56, -0.6, 0], [0.56, -0.6, 0], [0.56, 0.6, 0], [-0.56, 0.6, 0], [-0.56, 0, 1], [0.56, 0, 1]]
+GABLE = np.array(  # the last two points are the ends of the ridge
+    [[-0.56, -0.6, 0], [0.56, -0.6, 0], [0.56, 0.6, 0], [-0.56, 0.6, 0]]
+    + [[-0.56, 0, 1], [0.56, 0, 1]]
 )
 GABLE_FACES = np.array([[0, 1, 5], [0, 5, 4], [2, 3, 4], [2, 4, 5], [1, 2, 5], [3, 0, 4]])
-SPIRE = np.array([[-0.55, -0.55, 0], [0.55, -0.55, 0], [0.55, 0.55, 0], [-0.55, 0.55, 0], [0, 0, 1]])
+SPIRE = np.array(
+    [[-0.55, -0.55, 0], [0.55, -0.55, 0], [0.55, 0.55, 0], [-0.55, 0.55, 0], [0, 0, 1]]
+)
 SPIRE_FACES = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
 
 
@@ -153,7 +156,7 @@ def forest(rng, terrain, houses):
     while planted < TREES:
         x, y = rng.uniform(-620, 620), rng.uniform(-680, 780)
         off = abs(x - terrain.river(y))
-        dense = 0.25 if off < 95 else np.exp(-((off - 150) / 130) ** 2)
+        dense = 0.25 if off < 95 else np.exp(-(((off - 150) / 130) ** 2))
         clear = np.hypot(*(houses - [x, y]).T).min() > 20 and np.hypot(x - 40, y + 640) > 60
         if rng.uniform() > dense or not clear:
             continue

@@ -69,15 +69,18 @@ def parse(path, variant, parameters=None):
     given = {name: str(value) for name, value in (parameters or {}).items()}
     try:
         state = mi.parser.parse_file(config, str(path), **given)
-        mi.parser.transform_all(config, state)
+        mi.parser.transform_upgrade(config, state)
     except RuntimeError as error:
         raise SceneError(f"scene {path}: {error}") from error
     return state
 
 
 def instantiate(state, variant):
-    """The Mitsuba scene of a parsed state."""
-    return mi.parser.instantiate(mi.parser.ParserConfig(variant), state)
+    """The Mitsuba scene of a parsed state, which stays as it is."""
+    config = mi.parser.ParserConfig(variant)
+    resolved = mi.parser.ParserState(state)
+    mi.parser.transform_all(config, resolved)
+    return mi.parser.instantiate(config, resolved)
 
 
 def analytic_nodes(state):
@@ -238,7 +241,7 @@ def replace_node(state, node, medium, grid, filename):
     volume.type = mi.ObjectType.Volume
     volume.props = mi.Properties("gridvolume")
     volume.props["filename"] = str(Path(filename).resolve())
-    volume.props["to_world"] = mi.ScalarTransform4f(grid.to_world())
+    volume.props["use_grid_bbox"] = True
     props["sigma_t"] = mi.Properties.ResolvedReference(len(state.nodes))
     node.props = props  # before append, which may move the list
     state.nodes.append(volume)
