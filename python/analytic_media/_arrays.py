@@ -67,11 +67,11 @@ def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndar
     """Shape of the items, and the checked arguments broadcast to it, in one float type."""
     arrays = [_real(argument) for argument in arguments]
     given = {
-        array.dtype
+        array.itemsize
         for array, argument in zip(arrays, arguments, strict=True)
         if hasattr(argument.value, "dtype") and array.dtype.kind == "f"
     }
-    dtype = np.float32 if given == {np.dtype(np.float32)} else np.float64
+    dtype = np.float32 if given == {4} else np.float64
     arrays = [array.astype(dtype, copy=False) for array in arrays]
     for array, argument in zip(arrays, arguments, strict=True):
         argument.check(argument.name, array)

@@ -9,10 +9,11 @@ TABLES = Path(__file__).parents[1] / "reference"
 
 
 def table(name):
-    """The rows that are about profiles of this package."""
+    """The rows that are about profiles of this package; components of sums are sorted."""
     rows = json.loads((TABLES / f"{name}.json").read_text())["rows"]
     for row in rows:
         parts = row.get("components") or [row]
+        parts.sort(key=lambda part: part["profile"]["type"])
         row["profiles"] = [profile(part["profile"]) for part in parts]
     return [row for row in rows if None not in row["profiles"]]
 

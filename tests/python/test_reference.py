@@ -86,21 +86,17 @@ class Recorded:
         return np.stack(columns, -1) if len(columns) > 1 else columns[0]
 
 
-@pytest.fixture(
-    params=["NumPy f64", "NumPy f32", "NumPy nodes f64", "llvm_ad nodes f64", "llvm_ad nodes f32"]
-)
+@pytest.fixture(params=["NumPy f64", "NumPy f32", "nodes f64", "llvm_ad_rgb nodes f32"])
 def arithmetic(request):
-    match request.param.split():
-        case "NumPy", "nodes", "f64":
-            yield Recorded(np.asarray, "float64", am.jit.Host(np, np.float64, 53))
-        case "NumPy", "f64":
-            yield Batched("float64")
-        case "NumPy", "f32":
-            yield Batched("float32")
-        case "llvm_ad", _, "f64":
-            yield Recorded(request.getfixturevalue("llvm").Float64, "float64")
+    match request.param:
+        case "NumPy f64":
+            return Batched("float64")
+        case "NumPy f32":
+            return Batched("float32")
+        case "nodes f64":
+            return Recorded(np.asarray, "float64", am.jit.Host(np, np.float64, 53))
         case _:
-            yield Recorded(request.getfixturevalue("llvm").Float, "float32")
+            return Recorded(request.getfixturevalue("llvm").Float, "float32")
 
 
 @pytest.fixture
