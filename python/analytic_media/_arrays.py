@@ -99,15 +99,20 @@ def _mismatch(arguments, arrays, batches) -> str:
     raise AssertionError("shapes that do not broadcast have a pair that does not")
 
 
-def _real(argument: Argument) -> np.ndarray:
+def real(value) -> np.ndarray | None:
+    """`value` as an array of real numbers; None if it is not that."""
     try:
-        array = np.asarray(argument.value)
-    except ValueError as error:
-        raise ValueError(f"{argument.name} must be an array of real numbers: {error}") from None
-    if array.dtype.kind not in "fiub":
-        raise ValueError(
-            f"{argument.name} must be an array of real numbers, got {argument.value!r}"
-        )
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        return None
+    return array if array.dtype.kind in "fiub" else None
+
+
+def _real(argument: Argument) -> np.ndarray:
+    array = real(argument.value)
+    if array is None:
+        got = argument.value
+        raise ValueError(f"{argument.name} must be an array of real numbers, got {got!r}")
     if argument.item and array.shape[-1:] != argument.item:
         raise ValueError(f"{argument.name} must have the shape (..., 3), got {array.shape}")
     return array

@@ -148,10 +148,7 @@ def _component(component) -> tuple[Profile, np.ndarray]:
         raise ValueError(message) from None
     if not isinstance(profile, Profile):
         raise ValueError(f"components must begin with a profile, got {profile!r}")
-    try:
-        array = np.array(sigma_t, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = None
+    array = _arrays.real(sigma_t)
     if array is None or array.ndim > 1 or array.size == 0:
         raise ValueError(f"sigma_t must be a number or a sequence of numbers, got {sigma_t!r}")
-    return profile, array
+    return profile, array.astype(np.float64)

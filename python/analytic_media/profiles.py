@@ -40,13 +40,10 @@ def _value(parameter: _native.Parameter, values: list[float]) -> Value:
 def _numbers(parameter: _native.Parameter, value) -> list[float]:
     expected = "a number" if parameter.size == 1 else f"{parameter.size} numbers"
     shape = () if parameter.size == 1 else (parameter.size,)
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = None
+    array = _arrays.real(value)
     if array is None or array.shape != shape:
         raise ValueError(f"{parameter.name} must be {expected}, got {value!r}")
-    return array.ravel().tolist()
+    return array.astype(np.float64).ravel().tolist()
 
 
 class Profile:
