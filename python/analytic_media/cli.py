@@ -198,9 +198,11 @@ def run_compare(options):
 
 def default_variants():
     """scalar_rgb, and llvm_ad_rgb where there is an LLVM."""
-    from .doctor import MISSING_LLVM, llvm_library
+    import drjit as dr
 
-    if llvm_library() is None:
+    from .doctor import MISSING_LLVM
+
+    if not dr.has_backend(dr.JitBackend.LLVM):
         complain(f"comparing in scalar_rgb only; LLVM {MISSING_LLVM}", 0)
         return ("scalar_rgb",)
     return ("scalar_rgb", "llvm_ad_rgb")
