@@ -31,7 +31,7 @@ pub fn opacity<R: Real>(optical_depth: R) -> R {
 }
 
 /// `sigma` · `amount`, where nothing of an infinite amount is nothing.
-fn attenuate<R: Real>(sigma: R, amount: R) -> R {
+pub(crate) fn attenuate<R: Real>(sigma: R, amount: R) -> R {
     let clear = sigma.le(sigma.lit(0.0));
     R::select(
         clear,
@@ -73,12 +73,16 @@ impl<R: Real> Medium<R> {
         self.sigma_t[component * self.channels() + channel]
     }
 
+    /// σ_c amount_c in one channel, for each component.
+    pub fn shares(&self, channel: usize, amount: impl Fn(&AnyProfile<R>) -> R) -> Vec<R> {
+        let share = |(c, profile)| attenuate(self.sigma_t(c, channel), amount(profile));
+        self.profiles.iter().enumerate().map(share).collect()
+    }
+
     /// Σ_c σ_c amount_c in one channel.
     pub fn attenuate(&self, channel: usize, amount: impl Fn(&AnyProfile<R>) -> R) -> R {
-        self.profiles
-            .iter()
-            .enumerate()
-            .map(|(c, profile)| attenuate(self.sigma_t(c, channel), amount(profile)))
+        self.shares(channel, amount)
+            .into_iter()
             .reduce(|a, b| a + b)
             .expect("a medium has a component")
     }

@@ -8,10 +8,10 @@
 //! of (24) lacks `1 −`.
 
 use crate::geometry::Ray;
-use crate::medium::{Medium, opacity, transmittance};
+use crate::medium::{Medium, attenuate, opacity, transmittance};
 use crate::profile::Profile;
 use crate::real::Real;
-use crate::solve::{self, Bracket, Sample};
+use crate::solve::{self, Bracket};
 use crate::special::rel::psi;
 
 /// τ* of (24): the optical depth of a flight, from the uniform variate `u` in [0, 1) and the
@@ -98,29 +98,28 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
     let depth = |medium: &Medium<R>, ray: &Ray<R>, t| {
         medium.attenuate(channel, |profile| profile.column(ray, t))
     };
-    let total = depth(medium, ray, t_max);
+    let plain = medium.detach();
+    let plain_ray = ray.detach();
+    let t_max = t_max.detach();
+    let shares = plain.shares(channel, |profile| profile.column(&plain_ray, t_max));
+    let total = shares.iter().copied().fold(zero, |a, b| a + b);
     let some = zero.lt(tau);
     let reached = some & tau.le(total);
 
-    let plain = medium.detach();
-    let plain_ray = ray.detach();
     let goal = R::select(reached, tau, total.min(one)).detach();
-    let (bracket, guess) = bracket(&plain, channel, &plain_ray, t_max.detach(), goal);
-    let along = |t| plain.attenuate(channel, |profile| profile.density_along(&plain_ray, t).0);
-    let bend = |t| {
-        let slopes = plain.profiles().iter().enumerate();
-        let slope = |(c, profile): (usize, &crate::profile::AnyProfile<R>)| {
-            plain.sigma_t(c, channel) * profile.density_along(&plain_ray, t).1
-        };
-        slopes.map(slope).fold(zero, |a, b| a + b)
-    };
-    let sample = |t: R| Sample {
-        value: depth(&plain, &plain_ray, t),
-        slope: along(t),
-        curvature: bend(t),
+    let (bracket, guess) = bracket(&plain, channel, &plain_ray, t_max, goal, &shares);
+    let slopes = |t| {
+        let components = plain.profiles().iter().enumerate();
+        components.fold((zero, zero), |(slope, curvature), (c, profile)| {
+            let sigma = plain.sigma_t(c, channel);
+            let (density, change) = profile.density_along(&plain_ray, t);
+            let curvature = curvature + attenuate(sigma, change);
+            (slope + attenuate(sigma, density), curvature)
+        })
     };
     let t = solve::increasing(
-        sample,
+        |t| depth(&plain, &plain_ray, t),
+        slopes,
         |t| depth(medium, ray, t),
         R::select(reached, tau, goal),
         bracket,
@@ -137,17 +136,18 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
 /// τ(t_max) − τ before it, no more than that remains of their sum, so t ≤ max_c of these
 /// distances: a finite bound for media that thin out.
 ///
-/// The guess 1/t = Σ 1/t_c(τ) is exact for uniform components.
+/// `shares` are the components' parts of τ(t_max). The guess 1/t = Σ 1/t_c(τ) is exact for
+/// uniform components.
 fn bracket<R: Real>(
     medium: &Medium<R>,
     channel: usize,
     ray: &Ray<R>,
     t_max: R,
     tau: R,
+    shares: &[R],
 ) -> (Bracket<R>, R) {
-    let count = medium.profiles().len();
-    let share = tau.lit(1.0 / count as f64);
-    let total = medium.attenuate(channel, |profile| profile.column(ray, t_max));
+    let share = tau.lit(1.0 / shares.len() as f64);
+    let total = shares.iter().copied().fold(tau.lit(0.0), |a, b| a + b);
     let rest = (total - tau) * share;
 
     let (zero, one) = (tau.lit(0.0), tau.lit(1.0));
@@ -155,11 +155,11 @@ fn bracket<R: Real>(
     let mut high = t_max;
     let mut tail = zero;
     let mut rate = zero;
-    for (c, profile) in medium.profiles().iter().enumerate() {
+    for (c, part) in shares.iter().enumerate() {
         let alone = inverse(medium, c, channel, ray, tau);
         high = high.min(alone);
         low = low.min(inverse(medium, c, channel, ray, tau * share));
-        let before = medium.sigma_t(c, channel) * profile.column(ray, t_max) - rest;
+        let before = *part - rest;
         let thins = zero.lt(before) & before.is_bounded();
         let until = inverse(medium, c, channel, ray, R::select(thins, before, one));
         tail = tail.max(R::select(thins, until, zero));
@@ -168,6 +168,7 @@ fn bracket<R: Real>(
     let tail = R::select(rest.is_bounded() & zero.lt(tail), tail, high);
     let high = high.min(tail.max(low));
     let low = low.min(high);
-    let guess = one / rate.max(tau.lit(1e-30));
+    let harmonic = one / rate.max(tau.lit(1e-30));
+    let guess = R::select(high.is_bounded() | tau.lit(1e-30).lt(rate), harmonic, low);
     (Bracket { low, high }, guess.max(low).min(high))
 }

@@ -1,7 +1,10 @@
-//! What the integration tests share: reference rows, and hosts that fill the recording table.
+//! What the integration tests share: reference rows, random scenes, numbers that count, and
+//! hosts that fill the recording table.
 
 // Each test program uses its own part.
 #![allow(dead_code)]
 
+pub mod counted;
 pub mod host;
+pub mod random;
 pub mod rows;
