@@ -1,6 +1,7 @@
 """The command `analytic-media`."""
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 
@@ -9,7 +10,9 @@ USAGE_ERROR = 2
 
 def main(arguments=None):
     """Run a command; returns the exit code: 0 done, 1 failed, 2 bad usage."""
+    arguments = sys.argv[1:] if arguments is None else arguments
     options = parser().parse_args(arguments)
+    options.command_line = shlex.join(["analytic-media", *arguments])
     return options.command(options)
 
 
@@ -184,6 +187,7 @@ def run_compare(options):
             parameters=dict(options.definitions),
         ),
         options.output,
+        options.command_line,
     )
     for variant, numbers in summary["variants"].items():
         ratio = numbers["efficiency_ratios"]["mse"].get("best_grid")

@@ -111,7 +111,7 @@ def test_scene_without_our_medium_is_refused(tmp_path):
     path = tmp_path / "empty.xml"
     path.write_text('<scene version="3.0.0"><integrator type="volpath"/></scene>')
     with pytest.raises(twin.SceneError, match="no 'analytic' medium"):
-        compare(Options(str(path), variants=(VARIANT,)), tmp_path / "report")
+        compare(Options(str(path), variants=(VARIANT,)), tmp_path / "report", "test")
     assert not (tmp_path / "report").exists()
 
 
@@ -153,7 +153,7 @@ def test_colour_mode(variant, mode):
 def test_tiny_comparison_writes_summary_and_report(scene, tmp_path, sigma):
     """Every method, two rounds of a few samples: the files are there and complete."""
     options = Options(str(scene(sigma)), (VARIANT,), (4, 8), rounds=2, spp=3)
-    compare(options, tmp_path / "report", command="test")
+    compare(options, tmp_path / "report", "test")
     summary = json.loads((tmp_path / "report/summary.json").read_text())
 
     assert summary["schema"] == 1

@@ -1,8 +1,6 @@
 """Our media against stock Mitsuba on voxels: equal-time renders, and a report of them."""
 
 import json
-import shlex
-import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,10 +12,11 @@ from .methods import EXACT
 SCHEMA = 1
 
 
-def compare(options, output, command=None):
+def compare(options, output, command):
     """Render as `options` (protocol.Options) say; write summary.json and report.html to `output`.
 
-    Returns the summary. Raises twin.SceneError for a scene that has no twin.
+    `command` is how the user asked for it, for the record. Returns the summary. Raises
+    twin.SceneError for a scene that has no twin.
     """
     output = Path(output)
     state = twin.parse(options.scene, options.variants[0], options.parameters)
@@ -38,7 +37,7 @@ def compare(options, output, command=None):
     summary = {
         "schema": SCHEMA,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": command or shlex.join(sys.argv),
+        "command": command,
         "environment": environment(),
         "scene": str(options.scene),
         "parameters": options.parameters,

@@ -80,14 +80,21 @@ def difference_maps(methods, images, exact):
 
 
 def bias_maps(references):
-    """References of the grids less the exact one, in percent, averaged over blocks of pixels."""
-    exact = block_average(references[EXACT].image.mean(axis=-1))
+    """References of the grids less the exact one, in percent, averaged over blocks of pixels.
+
+    A title states what the noise of the two references leaves in a block (one standard deviation).
+    """
+    exact = references[EXACT]
+    brightness = float(exact.image.mean())
+    exact_blocks = block_average(exact.image.mean(axis=-1))
     titled = []
     for medium, reference in references.items():
         if medium == EXACT:
             continue
-        grid = block_average(reference.image.mean(axis=-1))
-        titled.append((f"{medium}³ grid", 100 * (grid / np.maximum(exact, 1e-12) - 1)))
+        blocks = block_average(reference.image.mean(axis=-1))
+        noise = np.sqrt(reference.noise_variance + exact.noise_variance) / BLOCK
+        title = f"{medium}³ grid (noise of a block: ±{100 * noise / brightness:.2g} %)"
+        titled.append((title, 100 * (blocks / np.maximum(exact_blocks, 1e-12) - 1)))
     spread = max(np.percentile(np.abs(values), 99) for _, values in titled)
     columns = min(len(titled), 3)
     return maps(titled, max(float(spread), 1e-6), "percent of the exact radiance", columns)
