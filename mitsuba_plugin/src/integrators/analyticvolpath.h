@@ -34,6 +34,11 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
    - |bool|
    - Hide directly visible emitters. (Default: no)
 
+ * - emitter_samples
+   - |int|
+   - Light samples per vertex, stratified over the light sources. (Default: 0, which stands for 2
+     where there are several light sources, such as sun and sky, and for 1 otherwise)
+
 A volumetric path tracer for :ref:`analytic <medium-analytic>` media. Free flights are drawn by
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
@@ -67,11 +72,16 @@ public:
     using Analytic = AnalyticMedium<Float, Spectrum>;
     using AnalyticPtr = dr::replace_scalar_t<Float, const Analytic *>;
 
-    AnalyticVolpathIntegrator(const Properties &props) : Base(props) {}
+    AnalyticVolpathIntegrator(const Properties &props) : Base(props) {
+        int64_t samples = props.get<int64_t>("emitter_samples", 0);
+        if (samples < 0 || samples > 64)
+            Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
+        m_emitter_samples = (uint32_t) samples;
+    }
 
     TensorXf render(Scene *scene, Sensor *sensor, UInt32 seed, uint32_t spp, bool develop,
                     bool evaluate) override {
-        m_survey = survey<Float, Spectrum>(scene, sensor->medium());
+        m_survey = look_at(scene, sensor->medium());
         m_surveyed = scene;
         TensorXf image = Base::render(scene, sensor, seed, spp, develop, evaluate);
         m_surveyed = nullptr;
@@ -82,8 +92,7 @@ public:
                                      const RayDifferential3f &ray, const Medium *medium,
                                      Float * /* aovs */, Mask active) const override {
         MI_MASKED_FUNCTION(ProfilerPhase::SamplingIntegratorSample, active);
-        const Survey found =
-            scene == m_surveyed ? m_survey : survey<Float, Spectrum>(scene, medium);
+        const Survey found = scene == m_surveyed ? m_survey : look_at(scene, medium);
 
         Path path;
         path.active = active && m_max_depth > 0;
@@ -105,7 +114,8 @@ public:
         oss << "AnalyticVolpathIntegrator[" << std::endl
             << "  max_depth = " << (int32_t) m_max_depth << "," << std::endl
             << "  rr_depth = " << m_rr_depth << "," << std::endl
-            << "  hide_emitters = " << m_hide_emitters << std::endl
+            << "  hide_emitters = " << m_hide_emitters << "," << std::endl
+            << "  emitter_samples = " << m_emitter_samples << std::endl
             << "]";
         return oss.str();
     }
@@ -143,6 +153,13 @@ private:
         /// Collided with nothing real: goes on from mi.p in the same direction.
         Mask passes;
     };
+
+    Survey look_at(const Scene *scene, const Medium *medium) const {
+        Survey found = survey<Float, Spectrum>(scene, medium);
+        if (m_emitter_samples > 0)
+            found.emitter_samples = m_emitter_samples;
+        return found;
+    }
 
     // ---- Media
 
@@ -338,7 +355,7 @@ private:
 
         if (m_hide_emitters)
             skip_emitters(scene, path, v, outside);
-        add_emission(scene, path, v.si, outside);
+        add_emission(scene, found, path, v.si, outside);
 
         Mask surface = outside && v.si.is_valid();
         UInt32 next_depth = path.depth + 1;
@@ -362,27 +379,22 @@ private:
             samples_light |= medium_samples_light;
         }
 
-        // ---- Sample a light source
-        DirectionSample3f ds = dr::zeros<DirectionSample3f>();
-        Spectrum light = 0.f;
+        // ---- Light sources
         if (dr::any_or<true>(samples_light))
-            std::tie(ds, light) =
-                sample_light(scene, found, path, v, here, in_medium, samples_light);
+            dr::masked(path.result, samples_light) +=
+                path.throughput *
+                sample_lights(scene, found, path, v, here, bsdf, phase, in_medium, samples_light);
 
-        // ---- Evaluate for the light, and sample the next direction
+        // ---- Next direction
         Float u1 = path.sampler->next_1d(path.active);
         Point2f u2 = path.sampler->next_2d(path.active);
-        Spectrum value = 0.f, weight = 1.f;
-        Float value_pdf = 0.f, pdf = 1.f, eta = 1.f;
+        Spectrum weight = 1.f;
+        Float pdf = 1.f, eta = 1.f;
         Vector3f direction = path.ray.d;
         UInt32 lobes = +BSDFFlags::Null;
 
         if (dr::any_or<true>(surface)) {
-            auto [bsdf_value, bsdf_pdf, bs, bsdf_weight] =
-                bsdf->eval_pdf_sample(BSDFContext(), v.si, v.si.to_local(ds.d), u1, u2, surface);
-            dr::masked(value, surface) =
-                v.si.to_world_mueller(bsdf_value, -v.si.to_local(ds.d), v.si.wi);
-            dr::masked(value_pdf, surface) = bsdf_pdf;
+            auto [bs, bsdf_weight] = bsdf->sample(BSDFContext(), v.si, u1, u2, surface);
             dr::masked(weight, surface) = v.si.to_world_mueller(bsdf_weight, -bs.wo, v.si.wi);
             dr::masked(pdf, surface) = bs.pdf;
             dr::masked(eta, surface) = bs.eta;
@@ -390,23 +402,12 @@ private:
             dr::masked(lobes, surface) = bs.sampled_type;
         }
         if (found.media() && dr::any_or<true>(in_medium)) {
-            PhaseFunctionContext context(path.sampler);
-            if (dr::any_or<true>(medium_samples_light)) {
-                auto [phase_value, phase_pdf] =
-                    phase->eval_pdf(context, v.mi, ds.d, medium_samples_light);
-                dr::masked(value, in_medium) = phase_value;
-                dr::masked(value_pdf, in_medium) = phase_pdf;
-            }
-            auto [wo, phase_weight, phase_pdf] = phase->sample(context, v.mi, u1, u2, in_medium);
+            auto [wo, phase_weight, phase_pdf] =
+                phase->sample(PhaseFunctionContext(path.sampler), v.mi, u1, u2, in_medium);
             dr::masked(weight, in_medium) = phase_weight;
             dr::masked(pdf, in_medium) = phase_pdf;
             dr::masked(direction, in_medium) = wo;
             dr::masked(lobes, in_medium) = +BSDFFlags::DiffuseReflection;
-        }
-
-        if (dr::any_or<true>(samples_light)) {
-            Float mis = mis_weight(ds.pdf, dr::select(ds.delta, 0.f, value_pdf));
-            dr::masked(path.result, samples_light) += path.throughput * value * light * mis;
         }
 
         // ---- Move on
@@ -447,8 +448,8 @@ private:
     }
 
     /// Light that the ray has run into: a surface that shines, or the environment.
-    void add_emission(const Scene *scene, Path &path, const SurfaceInteraction3f &si,
-                      const Mask &outside) const {
+    void add_emission(const Scene *scene, const Survey &found, Path &path,
+                      const SurfaceInteraction3f &si, const Mask &outside) const {
         EmitterPtr emitter = si.emitter(scene);
         Mask shines = outside && emitter != nullptr;
         if (m_hide_emitters)
@@ -459,31 +460,66 @@ private:
         Float mis = 1.f;
         if (dr::any_or<true>(shared)) {
             DirectionSample3f ds(scene, si, path.last);
-            Float light_pdf = scene->pdf_emitter_direction(path.last, ds, shared);
+            Float light_pdf = scene->pdf_emitter_direction(path.last, ds, shared) *
+                              (ScalarFloat) found.emitter_samples;
             dr::masked(mis, shared) = mis_weight(path.last_pdf, light_pdf);
         }
         dr::masked(path.result, shines) += path.throughput * emitter->eval(si, shines) * mis;
     }
 
-    /// A light source seen from the vertex, and its light, attenuated on the way.
-    std::pair<DirectionSample3f, Spectrum> sample_light(const Scene *scene, const Survey &found,
-                                                        const Path &path, const Vertex &v,
-                                                        const Interaction3f &here,
-                                                        const Mask &in_medium, Mask active) const {
-        auto [ds, light] =
-            scene->sample_emitter_direction(here, path.sampler->next_2d(active), false, active);
+    /// Light that reaches the vertex straight from light sources and leaves along the path.
+    Spectrum sample_lights(const Scene *scene, const Survey &found, const Path &path,
+                           const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
+                           const PhaseFunctionPtr &phase, const Mask &in_medium,
+                           const Mask &active) const {
+        Spectrum result = 0.f;
+        for (uint32_t i = 0; i < found.emitter_samples; ++i) {
+            // The first coordinate chooses the light source: a stratum for each sample.
+            Point2f u = path.sampler->next_2d(active);
+            u.x() = (u.x() + (ScalarFloat) i) / (ScalarFloat) found.emitter_samples;
+            result += sample_light(scene, found, path, v, here, bsdf, phase, in_medium, u, active);
+        }
+        return result / (ScalarFloat) found.emitter_samples;
+    }
+
+    /// One sample of sample_lights().
+    Spectrum sample_light(const Scene *scene, const Survey &found, const Path &path,
+                          const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
+                          const PhaseFunctionPtr &phase, const Mask &in_medium, const Point2f &u,
+                          Mask active) const {
+        auto [ds, light] = scene->sample_emitter_direction(here, u, false, active);
         active &= ds.pdf != 0.f;
         if (dr::none_or<false>(active))
-            return { ds, Spectrum(0.f) };
+            return 0.f;
+
+        Spectrum value = 0.f;
+        Float value_pdf = 0.f;
+        Mask at_surface = active && !in_medium, at_medium = active && in_medium;
+        if (dr::any_or<true>(at_surface)) {
+            Vector3f wo = v.si.to_local(ds.d);
+            auto [bsdf_value, bsdf_pdf] = bsdf->eval_pdf(BSDFContext(), v.si, wo, at_surface);
+            dr::masked(value, at_surface) = v.si.to_world_mueller(bsdf_value, -wo, v.si.wi);
+            dr::masked(value_pdf, at_surface) = bsdf_pdf;
+        }
+        if (found.media() && dr::any_or<true>(at_medium)) {
+            auto [phase_value, phase_pdf] =
+                phase->eval_pdf(PhaseFunctionContext(path.sampler), v.mi, ds.d, at_medium);
+            dr::masked(value, at_medium) = phase_value;
+            dr::masked(value_pdf, at_medium) = phase_pdf;
+        }
+        active &= dr::any(unpolarized_spectrum(value) != 0.f);
+
         Ray3f ray = here.spawn_ray_to(ds.p);
         MediumPtr medium = path.medium;
-        if (found.media() && found.permeable) {
-            Mask crosses = active && !in_medium && v.si.is_medium_transition();
+        if (found.media() && found.permeable && dr::any_or<true>(at_surface)) {
+            Mask crosses = at_surface && v.si.is_medium_transition();
             dr::masked(medium, crosses) = v.si.target_medium(ray.d);
         }
         Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
         Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
-        return { ds, dr::select(active, through * light, 0.f) };
+        Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
+                               dr::select(ds.delta, 0.f, value_pdf));
+        return dr::select(active, value * through * light * mis, 0.f);
     }
 
     /// Ends paths that carry little, and makes up for them by the rest.
@@ -503,6 +539,8 @@ private:
         return dr::select(dr::isfinite(w), w, 0.f);
     }
 
+    /// Light samples per vertex, 0 for what the survey says.
+    uint32_t m_emitter_samples;
     Survey m_survey;
     /// The scene that `m_survey` is about, while it is being rendered.
     const Scene *m_surveyed = nullptr;

@@ -22,6 +22,8 @@ struct Survey {
     bool chromatic = false;
     /// Some surface lets light through without scattering it, or bounds a medium.
     bool permeable = false;
+    /// Light samples per vertex: sun and sky get one each.
+    uint32_t emitter_samples = 1;
 
     bool media() const { return analytic || foreign; }
 };
@@ -41,12 +43,13 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
             found.foreign = true;
         }
     };
+    found.emitter_samples = scene->emitters().size() > 1 ? 2 : 1;
     look_at(initial);
     for (const auto &sensor : scene->sensors())
         look_at(sensor->medium());
     for (const auto &shape : scene->shapes()) {
         if (shape->is_instance()) // of a group, which does not tell what it holds
-            return { true, true, true, true };
+            return { true, true, true, true, found.emitter_samples };
         look_at(shape->interior_medium());
         look_at(shape->exterior_medium());
         found.permeable |= shape->is_medium_transition() ||
