@@ -2,16 +2,18 @@
 
 #pragma once
 
+#include <mitsuba/core/plugin.h>
 #include <mitsuba/core/properties.h>
 #include <mitsuba/core/string.h>
 #include <mitsuba/render/interaction.h>
+#include <mitsuba/render/texture.h>
 #include <mitsuba/render/volume.h>
 
 namespace mitsuba {
 
 template <typename Float, typename Spectrum> class Coefficients {
 public:
-    MI_IMPORT_TYPES(Volume)
+    MI_IMPORT_TYPES(Texture, Volume)
 
     /// Reads `sigma_t` and `albedo`, or `sigma_a` and `sigma_s`; and `scale`.
     Coefficients(const Properties &props) {
@@ -128,9 +130,27 @@ private:
             for (size_t i = 0; i < 3; ++i)
                 check(name, colour[i], max);
         }
-        ref<Volume> volume = props.get_volume<Volume>(name, otherwise);
+        if (props.has_property(name) && props.type(name) == Properties::Type::Spectrum) {
+            for (double value : props.get<Properties::Spectrum>(name).values)
+                check(name, value, max);
+        }
+        ref<Volume> volume = load(props, name, otherwise, !dr::isfinite(max));
         check(name, volume->max(), max);
         return volume;
+    }
+
+    /// A volume from what a scene gives: float, colour, spectrum, texture or volume.
+    static ref<Volume> load(const Properties &props, const char *name, ScalarFloat otherwise,
+                            bool unbounded) {
+        const bool coloured =
+            props.has_property(name) && (props.type(name) == Properties::Type::Color ||
+                                         props.type(name) == Properties::Type::Spectrum);
+        if (!coloured || !unbounded)
+            return props.get_volume<Volume>(name, otherwise);
+        // get_volume() takes every colour for a reflectance: it refuses or clamps what exceeds 1.
+        Properties volume("constvolume");
+        volume.set("value", ref<Object>(props.get_unbounded_texture<Texture>(name)));
+        return PluginManager::instance()->create_object<Volume>(volume);
     }
 
     /// A quantity that is constant in space.
