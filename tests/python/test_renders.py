@@ -1,0 +1,203 @@
+"""Our medium and integrator against stock Mitsuba, by the statistics of independent passes.
+
+Each pair is the same physics twice, and neither side is a reference image: zscores.py says what
+agreement means. Spread and bias are printed: pytest -s.
+"""
+
+import gc
+
+import mitsuba as mi
+import pytest
+import render_scenes as scenes
+from zscores import assert_agree, compare, render_passes
+
+SPP = 8
+
+OURS = {"type": "analyticvolpath"}
+VOLPATH = {"type": "volpath"}
+# Too dark whenever Russian roulette is active, so it gets none.
+VOLPATHMIS = {"type": "volpathmis", "rr_depth": 1000}
+
+# What a pair compares: a scene with an integrator, made when the variant is set.
+SIDES = {
+    "stock grid": lambda: (scenes.ball(scenes.linear_grid_fog()), VOLPATH),
+    "linear": lambda: (scenes.ball(scenes.linear_fog()), OURS),
+    "stock homogeneous": lambda: (scenes.ball(scenes.homogeneous_fog()), VOLPATH),
+    "constant": lambda: (scenes.ball(scenes.constant_fog()), OURS),
+    "stock tracking": lambda: (scenes.valley(scenes.tracked_exponential_fog()), VOLPATH),
+    "exponential": lambda: (scenes.valley(scenes.exponential_fog()), OURS),
+    "exponential, volpath": lambda: (scenes.valley(scenes.exponential_fog()), VOLPATH),
+    "exponential, volpathmis": lambda: (scenes.valley(scenes.exponential_fog()), VOLPATHMIS),
+}
+
+
+def render(scene, integrator, side, max_depth=6, spp=SPP, **options):
+    """Passes of a scene; `side` 0 and 1 have different seeds."""
+    gc.collect()  # a living medium would be part of every kernel
+    integrator = integrator | {"max_depth": max_depth} | options
+    return render_passes(scene | {"integrator": integrator}, spp, first_seed=1000 * side)
+
+
+@pytest.fixture(scope="module")
+def passes_of(variant):
+    """Passes of a named side, rendered once per variant."""
+    done = {}
+
+    def passes(name, side):
+        if (name, side) not in done:
+            done[name, side] = render(*SIDES[name](), side)
+        return done[name, side]
+
+    return passes
+
+
+@pytest.mark.parametrize(
+    "variant",
+    ["scalar_rgb", "scalar_spectral", "llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral"],
+    indirect=True,
+)
+@pytest.mark.parametrize(
+    ("stock", "ours"),
+    [
+        ("stock grid", "linear"),
+        ("stock homogeneous", "constant"),
+        ("stock tracking", "exponential"),
+        ("exponential, volpath", "exponential"),
+        ("exponential, volpathmis", "exponential"),
+    ],
+)
+def test_medium_agrees_with_stock(passes_of, stock, ours):
+    assert_agree(passes_of(stock, 0), passes_of(ours, 1))
+
+
+CHROMATIC = {
+    "rgb": {"type": "rgb", "value": [0.4, 1.2, 3.0]},
+    "spectral": {"type": "spectrum", "value": [(380, 3.0), (550, 1.2), (720, 0.4)]},
+}
+COLOURED_ALBEDO = {
+    "rgb": {"type": "rgb", "value": [0.95, 0.8, 0.5]},
+    "spectral": {"type": "spectrum", "value": [(380, 0.5), (550, 0.8), (720, 0.95)]},
+}
+
+
+@pytest.mark.parametrize(
+    "variant", ["scalar_rgb", "scalar_spectral", "llvm_ad_rgb", "llvm_ad_spectral"], indirect=True
+)
+@pytest.mark.parametrize("albedo", ["grey", "coloured"])
+def test_chromatic_extinction_agrees_with_volpathmis(variant, albedo):
+    """volpathmis: volpath follows one channel, and its error bars lie."""
+    colours = variant.split("_")[-1]
+    fog = scenes.constant_fog(
+        profile="exponential",
+        scale_height=0.7,
+        bbox_min=[-1, -1, -1],
+        bbox_max=[1, 1, 1],
+        sigma_t=CHROMATIC[colours],
+        albedo=0.8 if albedo == "grey" else COLOURED_ALBEDO[colours],
+    )
+    scene = scenes.ball(fog, pixel_format="rgb")
+    assert_agree(render(scene, VOLPATHMIS, 0, spp=16), render(scene, OURS, 1, spp=16))
+
+
+@pytest.mark.parametrize(
+    "variant", ["scalar_spectral_polarized", "llvm_ad_mono_polarized"], indirect=True
+)
+def test_polarised_variants_agree_with_stock(variant):
+    """A conductor polarises, so that Mueller matrices meet the medium."""
+    scene, ours = (
+        scenes.ball(fog) | {"stone": scenes.sphere([0.2, 0, -0.1], 0.5, bsdf={"type": "conductor"})}
+        for fog in (scenes.homogeneous_fog(), scenes.constant_fog())
+    )
+    assert_agree(render(scene, VOLPATH, 0, spp=4), render(ours, OURS, 1, spp=4))
+
+
+# ---- Features of a scene, in one variant: stock volpath renders the same scene
+
+scalar_rgb = pytest.mark.parametrize("variant", ["scalar_rgb"], indirect=True)
+
+
+def assert_like_volpath(scene, spp=SPP, pixels=4096, **options):
+    assert_agree(
+        render(scene, VOLPATH, 0, spp=spp, **options),
+        render(scene, OURS, 1, spp=spp, **options),
+        pixels,
+    )
+
+
+@scalar_rgb
+@pytest.mark.parametrize("max_depth", [1, 2, 3])
+def test_max_depth_means_what_it_does_in_volpath(variant, max_depth):
+    """1 is directly visible light, of which the floor has none."""
+    scene = scenes.valley(scenes.exponential_fog())
+    assert_like_volpath(scene, max_depth=max_depth, pixels=2000 if max_depth == 1 else 4096)
+
+
+@scalar_rgb
+def test_roulette_changes_no_mean(variant):
+    """At depth 1 it plays at nearly every vertex of a dark fog."""
+    scene = scenes.ball(scenes.constant_fog(sigma_t=4.0, albedo=0.6))
+    without = render(scene, OURS, 0, max_depth=16, rr_depth=1000)
+    assert_agree(without, render(scene, OURS, 1, max_depth=16, rr_depth=1))
+
+
+@scalar_rgb
+@pytest.mark.parametrize(
+    "boundary",
+    [
+        {"type": "mask", "opacity": 0.4, "bsdf": scenes.GREY},
+        {"type": "thindielectric"},
+        {"type": "dielectric", "int_ior": 1.2},
+        {"type": "roughdielectric", "int_ior": 1.2, "alpha": 0.3},
+    ],
+    ids=lambda boundary: boundary["type"],
+)
+def test_boundary_agrees_with_volpath(variant, boundary):
+    assert_like_volpath(scenes.ball(scenes.constant_fog(), boundary))
+
+
+@scalar_rgb
+def test_hidden_emitters_agree_with_volpath(variant):
+    """Alpha too: it says where something other than an emitter is seen."""
+    scene = scenes.ball(scenes.constant_fog(), pixel_format="luminance_alpha")
+    del scene["floor"]
+    sides = [
+        render(scene, integrator, side, hide_emitters=True)
+        for side, integrator in enumerate((VOLPATH, OURS))
+    ]
+    assert_agree(*sides, pixels=3000)
+
+
+def mixed(outer, inner, **film):
+    """Media side by side and nested, the camera in the outer one."""
+    grid = scenes.linear_grid_fog()
+    scene = scenes.valley(outer, **film)
+    medium = scene["sensor"]["medium"]
+    null = {"type": "null"}
+    return scene | {
+        "left": scenes.sphere([-1.2, 0, 0.9], 0.6, bsdf=null, interior=inner, exterior=medium),
+        "nested": scenes.sphere([-1.2, 0, 0.9], 0.3, bsdf=null, interior=medium, exterior=inner),
+        "right": scenes.sphere([0.3, 0.1, 1.5], 0.5, bsdf=null, interior=grid, exterior=medium),
+    }
+
+
+@pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"], indirect=True)
+@pytest.mark.parametrize("outer", ["ours", "stock"])
+def test_mixed_media_agree_with_volpath(variant, outer):
+    """Delta and ratio tracking where the medium is stock's, formulas where it is ours."""
+    ours, stock = scenes.exponential_fog(sigma_t=0.4), scenes.homogeneous_fog()
+    box = scenes.constant_fog(sigma_t=2.0)
+    if outer == "ours":
+        scene = mixed(ours, stock)
+    else:
+        scene = mixed(scenes.tracked_exponential_fog(), box)
+    assert_like_volpath(scene)
+
+
+@scalar_rgb
+def test_tracked_volume_is_the_same_medium_to_stock(variant):
+    """Same density, majorant and seed: the same random walk, bit for bit."""
+    first, second = (
+        mi.render(mi.load_dict(scenes.valley(fog) | {"integrator": VOLPATH}), spp=4)
+        for fog in (scenes.exponential_fog(), scenes.tracked_exponential_fog())
+    )
+    assert (first == second).all()
