@@ -107,6 +107,17 @@ def test_twin_keeps_depths_of_the_integrator(scene, tmp_path):
     assert (props.plugin_name(), props["max_depth"], props["rr_depth"]) == ("volpathmis", 6, 6)
 
 
+def test_medium_without_a_box_is_voxelised_around_scene_and_camera(tmp_path):
+    """Sphere of radius 0.4 at the origin, camera at y = -1.8, 5 % of the longest side around."""
+    path = tmp_path / "scene.xml"
+    box = '<point name="bbox_min" value="-2, -2, -1"/><point name="bbox_max" value="2, 2, 1"/>'
+    assert box in SCENE
+    path.write_text(SCENE.replace("SIGMA", GREY).replace(box, ""))
+    _, [(_, grid)] = twin.voxelised(twin.parse(path, VARIANT), 4, VARIANT, tmp_path)
+    np.testing.assert_allclose(grid.bbox[0], [-0.51, -1.91, -0.51], rtol=1e-5)
+    np.testing.assert_allclose(grid.bbox[1], [0.51, 0.51, 0.51], rtol=1e-5)
+
+
 def test_scene_without_our_medium_is_refused(tmp_path):
     path = tmp_path / "empty.xml"
     path.write_text('<scene version="3.0.0"><integrator type="volpath"/></scene>')

@@ -178,13 +178,15 @@ def medium_bbox(state, medium, variant):
     if medium.bbox is not None:
         return medium.bbox
     scene = instantiate(without_media(state), variant)
-    box = mi.ScalarBoundingBox3f(scene.bbox())
+    corners = [[float(c) for c in corner] for corner in (scene.bbox().min, scene.bbox().max)]
     for sensor in scene.sensors():
-        box.expand(mi.ScalarPoint3f(sensor.world_transform().matrix.numpy()[:3, 3].ravel()[:3]))
-    if not box.valid():
+        corners.append([float(c) for c in sensor.bbox().min])
+    corners = np.array(corners)[np.all(np.isfinite(corners), axis=-1)]
+    if len(corners) < 2:
         raise SceneError(f"medium '{medium.name}' has no bbox_min and bbox_max, nor has the scene")
-    margin = 0.05 * np.max(box.extents())
-    return tuple(np.array(box.min) - margin), tuple(np.array(box.max) + margin)
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    margin = 0.05 * np.max(upper - lower)
+    return tuple(map(float, lower - margin)), tuple(map(float, upper + margin))
 
 
 def without_media(state):
