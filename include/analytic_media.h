@@ -272,7 +272,7 @@ am_status am_medium_extinction_record(const struct am_host_table *host,
                                       am_node *extinction);
 
 // Optical depth from the origin to the distance `t` (0 ≤ `t` ≤ ∞), dimensionless, one
-// per channel. It may be infinite, and does not decrease with `t`.
+// per channel. It may be infinite, and does not decrease with `t` by more than rounding.
 //
 // # Safety
 // `medium` points to one struct, `origin` and `direction` to three numbers,
@@ -771,8 +771,8 @@ am_status am_profile_density_record(const struct am_host_table *host,
 
 // Column: the integral of the density from the origin to the distance `t`, a length.
 //
-// `direction` is a unit vector, 0 ≤ `t` ≤ ∞. The column may be infinite. It does not
-// decrease with `t`.
+// `direction` is a unit vector, 0 ≤ `t` ≤ ∞. The column may be infinite. It does
+// not decrease with `t` by more than rounding.
 //
 // # Safety
 // `profile` points to one struct, `origin` and `direction` to three numbers, `column`

@@ -51,7 +51,16 @@ pub fn pdf<R: Real>(medium: &Medium<R>, ray: &Ray<R>, t: R) -> impl Iterator<Ite
     medium
         .extinction(ray.at(t))
         .zip(medium.optical_depth(ray, t))
-        .map(move |(sigma, tau)| R::select(inside, sigma * transmittance(tau), tau.lit(0.0)))
+        .map(move |(sigma, tau)| {
+            let through = transmittance(tau);
+            // Where nothing gets through, σ_t may be infinite.
+            let some = inside & tau.lit(0.0).lt(through);
+            R::select(
+                some,
+                R::select(some, sigma, through) * through,
+                tau.lit(0.0),
+            )
+        })
         .collect::<Vec<_>>()
         .into_iter()
 }

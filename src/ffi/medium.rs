@@ -145,7 +145,7 @@ queries! { AmMedium, AmMediumNodes;
     [] results => { results.extend(medium.extinction(point)); }
 
     /// Optical depth from the origin to the distance `t` (0 ≤ `t` ≤ ∞), dimensionless, one
-    /// per channel. It may be infinite, and does not decrease with `t`.
+    /// per channel. It may be infinite, and does not decrease with `t` by more than rounding.
     ///
     /// # Safety
     /// `medium` points to one struct, `origin` and `direction` to three numbers,

@@ -68,8 +68,8 @@ queries! { AmProfile, AmProfileNodes;
 
     /// Column: the integral of the density from the origin to the distance `t`, a length.
     ///
-    /// `direction` is a unit vector, 0 ≤ `t` ≤ ∞. The column may be infinite. It does not
-    /// decrease with `t`.
+    /// `direction` is a unit vector, 0 ≤ `t` ≤ ∞. The column may be infinite. It does
+    /// not decrease with `t` by more than rounding.
     ///
     /// # Safety
     /// `profile` points to one struct, `origin` and `direction` to three numbers, `column`

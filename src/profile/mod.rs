@@ -20,7 +20,7 @@ pub trait Profile<R: Real> {
     /// Relative density at the finite distance `t` along the ray, and its derivative by `t`.
     fn density_along(&self, ray: &Ray<R>, t: R) -> (R, R);
 
-    /// N(t) = ∫₀ᵗ ρ ds, length. Does not decrease with `t`.
+    /// N(t) = ∫₀ᵗ ρ ds, length. Does not decrease with `t` by more than rounding.
     fn column(&self, ray: &Ray<R>, t: R) -> R;
 
     /// The smallest distance at which the ray has gathered `column`; infinite if it never does.

@@ -1,7 +1,8 @@
 //! `Real` for SIMD lanes: eight `f32` or four `f64`, through the crate `wide`.
 //!
 //! `wide` rounds `exp` to zero above the range and gives `ln` no small arguments; both are
-//! mended here, so that lanes and scalars agree at the ends of the range too.
+//! mended here, so that lanes and scalars agree at the ends of the range too. Its `ln` in f64
+//! has a relative error of 1e-13, larger than everything else here.
 
 use super::{Mask, Real};
 use std::f64::consts::LN_2;
