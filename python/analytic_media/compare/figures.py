@@ -37,8 +37,9 @@ def exposure(image):
 
 
 def picture(image, factor, zoom=1):
-    """Linear RGB as an sRGB PNG, each pixel repeated `zoom` times along both axes."""
+    """Linear RGB or luminance as an sRGB PNG, each pixel repeated `zoom` times along both axes."""
     linear = np.clip(np.nan_to_num(image * factor), 0, 1)
+    linear = np.broadcast_to(linear, (*linear.shape[:2], 3))
     srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     pixels = np.round(255 * srgb).astype(np.uint8)
     buffer = io.BytesIO()

@@ -4,6 +4,7 @@ Separate processes give each medium its own CPU clock, and kernels that hold its
 call traces every living medium of the variant in the process.
 """
 
+import math
 import multiprocessing
 import time
 import traceback
@@ -40,7 +41,7 @@ class Worker:
         self._process = context.Process(target=_serve, args=(remote, job), daemon=True)
         self._process.start()
         remote.close()
-        self.info = self._receive()
+        self._receive()  # the scene is loaded
 
     def render(self, integrator, spp, roulette=True):
         """(image (height, width, 3) of float32, process CPU seconds, wall seconds)."""
@@ -68,7 +69,7 @@ class Worker:
 def _serve(connection, job):
     try:
         renderer = _Renderer(job)
-        connection.send(("ok", renderer.info))
+        connection.send(("ok", None))
         while True:
             connection.send(("ok", renderer.render(*connection.recv())))
     except EOFError:  # the caller closed its end
@@ -79,8 +80,6 @@ def _serve(connection, job):
 
 class _Renderer:
     def __init__(self, job):
-        import mitsuba as mi
-
         from . import twin
 
         state = twin.parse(job.scene, job.variant, job.parameters)
@@ -92,9 +91,7 @@ class _Renderer:
         self._is_jit = not job.variant.startswith("scalar")
         self._integrators = {}
         self._seed = job.first_seed
-        width, height = mi.ScalarVector2u(self._scene.sensors()[0].film().size())
-        self._pixels = int(width) * int(height)
-        self.info = {"width": int(width), "height": int(height)}
+        self._pixels = math.prod(int(n) for n in self._scene.sensors()[0].film().size())
 
     def render(self, integrator, spp, roulette):
         import numpy as np
