@@ -55,13 +55,11 @@ fn compiler(cpp: bool) -> Command {
 }
 
 fn run(command: &mut Command) -> Result<(), String> {
-    let output = command.output().map_err(|e| format!("{command:?}: {e}"))?;
+    let program = command.get_program().to_os_string();
+    let output = command.output().map_err(|e| format!("{program:?}: {e}"))?;
     let text = String::from_utf8_lossy(&output.stderr);
-    output
-        .status
-        .success()
-        .then_some(())
-        .ok_or(format!("{command:?}: {text}"))
+    let failure = format!("{program:?}: {}: {text}", output.status);
+    output.status.success().then_some(()).ok_or(failure)
 }
 
 /// Compiles and links `source` into `program`.

@@ -13,8 +13,7 @@
 //!
 //!     t(N) = (H/|μ|) (ln(|μ| N/H) + h₀/H)                            (35, for y → −∞)
 //!
-//! Relative error, times the condition of h/H: below 8e-16 (f64; 2e-13 in lanes, by their
-//! logarithm), 6e-7 (f32).
+//! Relative error, times the condition of h/H: below 8e-16 (f64), 6e-7 (f32).
 //! The article's listing of (34) has the wrong sign of the height and drops it for
 //! horizontal rays; see `docs/accuracy.md`.
 

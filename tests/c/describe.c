@@ -18,6 +18,7 @@ static void versions(void) {
 
 static void kinds(void) {
     const char *names[] = { "constant", "linear", "exponential" };
+    const uint32_t counts[] = { 0, 4, 3 };
     uint32_t kind, count;
     char name[AM_NAME_SIZE];
     for (uint32_t i = 0; i < 3; ++i) {
@@ -25,7 +26,7 @@ static void kinds(void) {
         CHECK(kind == i);
         CHECK_OK(am_profile_describe(i, &name, &count));
         CHECK(strcmp(name, names[i]) == 0);
-        CHECK(count == (uint32_t[]){ 0, 4, 3 }[i]);
+        CHECK(count == counts[i]);
     }
     kind = 77;
     CHECK_FAILS(am_profile_kind("cubic", &kind), AM_STATUS_INVALID_ARGUMENT,
