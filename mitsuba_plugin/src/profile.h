@@ -49,7 +49,11 @@ public:
     /// them.
     void update() {
         if constexpr (dr::is_jit_v<Float>) {
-            dr::make_opaque(m_scalars, m_vectors);
+            // One by one: dr::make_opaque() does not look into a std::vector.
+            for (Float &scalar : m_scalars)
+                dr::make_opaque(scalar);
+            for (Vector3f &vector : m_vectors)
+                dr::make_opaque(vector);
         } else {
             am_profile checked = values();
             require(am_profile_check(&checked));

@@ -254,9 +254,11 @@ private:
                const Mask &collided, const Mask &active) const {
         const UnpolarizedSpectrum &majorant = v.mi.combined_extinction;
         Float length = dr::maximum(end - v.mi.mint, 0.f);
-        UnpolarizedSpectrum depth = length * majorant;
-        Float thinnest = dr::min(dr::select(chance > 0.f, depth, dr::Infinity<Float>));
-        UnpolarizedSpectrum relative = dr::exp(thinnest - depth);
+        // Relative to the thinnest channel that counts. The length is infinite where a ray leaves a
+        // medium that has a box but no boundary.
+        UnpolarizedSpectrum excess =
+            majorant - dr::min(dr::select(chance > 0.f, majorant, dr::Infinity<Float>));
+        UnpolarizedSpectrum relative = dr::select(excess != 0.f, dr::exp(-length * excess), 1.f);
         Float pdf = dr::sum(chance * relative * dr::select(collided, majorant, 1.f));
         UnpolarizedSpectrum weight = dr::select(pdf > 0.f, relative / pdf, 0.f);
 
