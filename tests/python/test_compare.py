@@ -189,6 +189,19 @@ def test_tiny_comparison_writes_summary_and_report(scene, tmp_path, sigma):
     assert "http" not in html, "self-contained"
 
 
+def test_camera_rays_pass_index_matched_boundaries(tmp_path):
+    """A box with a null BSDF stands before a sphere of radius 0.4, 1.8 away from the camera,
+    whose rays start at its near clipping plane, at 0.01."""
+    from analytic_media.compare import bias
+
+    box = '<shape type="cube"><bsdf type="null"/></shape>'
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE.replace("SIGMA", GREY).replace("</scene>", box + "</scene>"))
+    fan = bias.camera_fan(twin.parse(path, VARIANT), VARIANT, rays=11)
+    assert fan.lengths[5] == pytest.approx(1.8 - 0.4 - 0.01, abs=1e-3)
+    assert np.isinf(fan.lengths[0]), "the outermost ray passes above the sphere"
+
+
 def test_transmittance_of_a_fine_grid_is_nearly_exact(scene, tmp_path):
     """The trilinear error of exp(-z/H) is (cell/H)²/12 at most, here 0.1 %, plus the edges."""
     from analytic_media.compare import bias

@@ -10,6 +10,7 @@ from .environment import environment
 from .methods import EXACT
 
 SCHEMA = 1
+GEOMETRY_VARIANT = "scalar_rgb"  # camera rays and boxes are the same in all
 
 
 def compare(options, output, command):
@@ -19,17 +20,15 @@ def compare(options, output, command):
     twin.SceneError for a scene that has no twin.
     """
     output = Path(output)
-    state = twin.parse(options.scene, options.variants[0], options.parameters)
-    twin.integrator_node(state)
-    media = [twin.read_medium(node) for node in twin.analytic_nodes(state)]
-    if not media:
-        raise twin.SceneError(f"scene {options.scene} has no 'analytic' medium to compare")
+    for variant in options.variants:  # what one of them cannot do is said before rendering starts
+        read_scene(options, variant)
+    state, media = read_scene(options, GEOMETRY_VARIANT)
     output.mkdir(parents=True, exist_ok=True)
 
-    fan = bias.camera_fan(state, options.variants[0])
+    fan = bias.camera_fan(state, GEOMETRY_VARIANT)
     transmittance = []
     for medium in media:
-        box = twin.medium_bbox(state, medium, options.variants[0])
+        box = twin.medium_bbox(state, medium, GEOMETRY_VARIANT)
         grids = [voxelize(medium.profile, box, n) for n in options.resolutions]
         transmittance.append(bias.transmittance_bias(fan, medium, box, grids))
 
@@ -58,6 +57,16 @@ def compare(options, output, command):
     (output / "summary.json").write_text(json.dumps(summary, indent=1) + "\n")
     report.write(output / "report.html", summary, result)
     return summary
+
+
+def read_scene(options, variant):
+    """The parsed scene and its analytic media, checked for what the comparison needs."""
+    state = twin.parse(options.scene, variant, options.parameters)
+    twin.integrator_node(state)
+    media = [twin.read_medium(node) for node in twin.analytic_nodes(state)]
+    if not media:
+        raise twin.SceneError(f"scene {options.scene} has no 'analytic' medium to compare")
+    return state, media
 
 
 def describe(reference, references):

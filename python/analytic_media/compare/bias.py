@@ -13,7 +13,7 @@ RAYS = 96
 
 @dataclass
 class Fan:
-    """Rays through the middle column of the image, each up to the first surface."""
+    """Rays through the middle column of the image, each up to the first visible surface."""
 
     origins: np.ndarray
     directions: np.ndarray
@@ -27,13 +27,23 @@ def camera_fan(state, variant, rays=RAYS):
     hits = []
     for k in range(rays):
         ray, _ = sensor.sample_ray(0.0, 0.5, mi.ScalarPoint2f(0.5, (k + 0.5) / rays), 0.5)
-        t = scene.ray_intersect(ray).t
-        hits.append(([*ray.o], [*ray.d], float(t)))
+        hits.append(([*ray.o], [*ray.d], distance(scene, ray)))
     origins, directions, lengths = (
         np.array(values, dtype=float) for values in zip(*hits, strict=True)
     )
     elevation = np.degrees(np.arcsin(np.clip(directions[:, 2], -1, 1)))
     return Fan(origins, directions, lengths, elevation)
+
+
+def distance(scene, ray):
+    """Length of a ray up to the first surface that is not an index-matched boundary."""
+    travelled = 0.0
+    while True:
+        si = scene.ray_intersect(ray)
+        travelled += float(si.t)
+        if not si.is_valid() or not mi.has_flag(si.bsdf().flags(), mi.BSDFFlags.Null):
+            return travelled
+        ray = si.spawn_ray(ray.d)
 
 
 def clip_to_box(fan, bbox):
