@@ -88,7 +88,10 @@ impl<R: Real> Exponential<R> {
             R::select(exponent.is_bounded(), error, altitude.lit(0.0))
         };
         let one = low.lit(1.0);
-        let inf = self.at(high) * (one - widen(high)).max(one.lit(0.0));
+        // The density may be infinite where the factor is 0.
+        let factor = (one - widen(high)).max(one.lit(0.0));
+        let some = one.lit(0.0).lt(factor);
+        let inf = R::select(some, self.at(high), factor) * factor;
         let sup = self.at(low) * (one + widen(low));
         (inf, sup)
     }
@@ -116,11 +119,13 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let finite = t.is_bounded();
         let t = R::select(finite, t, zero);
         let effective = t * phi(rate.abs() * t);
+        // Where the density overflows, a segment without length still has no column.
+        let column = R::select(zero.lt(effective), densest, zero) * effective;
 
         let ascends = zero.lt(rate);
         let scale = one / R::select(ascends, rate, one);
         let endless = R::select(ascends, densest * scale, infinity);
-        R::select(finite, densest * effective, endless)
+        R::select(finite, column, endless)
     }
 
     /// (35)
@@ -130,18 +135,21 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let rate = self.plane.cos_zenith(ray.direction) * self.falloff;
         let vanishing = if column.digits() <= 24 { 1e-37 } else { 1e-300 };
 
-        let straight = column / (-start).exp().max(column.lit(vanishing));
+        let density = (-start).exp();
+        let finite = column.is_bounded();
+        let straight = R::select(finite, column, zero) / density.max(column.lit(vanishing));
         let y = climb(rate, straight);
         let reached = y.lt(one);
         // ψ must not see what is not reached, even unselected; nor y = −∞.
         let beyond = column.lit(-1e16);
-        let near = reached & beyond.lt(y);
+        let from_above = density.lt(column.lit(vanishing)) & rate.lt(zero) & zero.lt(column);
+        let near = reached & beyond.lt(y) & finite & !from_above;
         let distance = R::select(near, straight, one) * psi(R::select(near, y, zero));
 
-        let far = reached & !near & column.is_bounded();
+        let far = reached & !near & finite;
         let rate = R::select(far, -rate, one);
-        let from_above = ((rate * R::select(far, column, one)).ln() + start) / rate;
-        R::select(near, distance, R::select(far, from_above, infinity))
+        let descent = ((rate * R::select(far, column, one)).ln() + start).max(zero) / rate;
+        R::select(near, distance, R::select(far, descent, infinity))
     }
 
     fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R) {
