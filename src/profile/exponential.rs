@@ -20,7 +20,7 @@
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::{Plane, Ray, Vector, climb};
-use crate::real::Real;
+use crate::real::{Real, either};
 use crate::special::rel::{phi, psi};
 use glam::DVec3;
 
@@ -113,12 +113,15 @@ impl<R: Real> Profile<R> for Exponential<R> {
     fn column(&self, ray: &Ray<R>, t: R) -> R {
         let (zero, one, infinity) = (t.lit(0.0), t.lit(1.0), t.lit(f64::INFINITY));
         let (start, end) = self.plane.ends(ray, t);
-        let densest = self.at(start.min(end));
         let rate = self.plane.cos_zenith(ray.direction) * self.falloff;
+        // One mask for both, so that a horizontal ray has the derivatives of one side.
+        let descends = rate.lt(zero);
+        let densest = self.at(R::select(descends, end, start));
+        let decay = R::select(descends, -rate, rate);
 
         let finite = t.is_bounded();
         let t = R::select(finite, t, zero);
-        let effective = t * phi(rate.abs() * t);
+        let effective = t * phi(decay * t);
         // Where the density overflows, a segment without length still has no column.
         let column = R::select(zero.lt(effective), densest, zero) * effective;
 
@@ -144,12 +147,16 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let beyond = column.lit(-1e16);
         let from_above = density.lt(column.lit(vanishing)) & rate.lt(zero) & zero.lt(column);
         let near = reached & beyond.lt(y) & finite & !from_above;
-        let distance = R::select(near, straight, one) * psi(R::select(near, y, zero));
-
-        let far = reached & !near & finite;
-        let rate = R::select(far, -rate, one);
-        let descent = ((rate * R::select(far, column, one)).ln() + start).max(zero) / rate;
-        R::select(near, distance, R::select(far, descent, infinity))
+        either(
+            near,
+            || R::select(near, straight, one) * psi(R::select(near, y, zero)),
+            || {
+                let far = reached & !near & column.is_bounded();
+                let rate = R::select(far, -rate, one);
+                let from_above = ((rate * R::select(far, column, one)).ln() + start) / rate;
+                R::select(far, from_above, infinity)
+            },
+        )
     }
 
     fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R) {
