@@ -12,6 +12,9 @@ use crate::real::Real;
 use crate::real::lanes::Lanes;
 use crate::real::node::Node;
 
+/// Results of a question: few, so that a scalar call needs no allocation.
+pub type Results<R> = smallvec::SmallVec<[R; 4]>;
+
 /// What questions are asked of.
 pub trait Model {
     /// The model in arithmetic `R`.
@@ -51,9 +54,9 @@ pub unsafe fn point<T: Copy>(pointer: *const T, name: &str) -> Result<Vector<T>,
 pub fn in_lanes<L: Lanes>(
     n: usize,
     outputs: &[*mut L::Scalar],
-    mut question: impl FnMut(&dyn Fn(usize) -> usize, &mut Vec<L>),
+    mut question: impl FnMut(&dyn Fn(usize) -> usize, &mut Results<L>),
 ) {
-    let mut results = Vec::new();
+    let mut results = Results::new();
     for first in (0..n).step_by(L::COUNT) {
         results.clear();
         question(&|lane| (first + lane).min(n - 1), &mut results);
@@ -191,7 +194,7 @@ macro_rules! queries {
                 $( arg::output($out, 1, stringify!($out))?; )*
                 // SAFETY: promised by the caller.
                 let model = unsafe { $model.nodes(host) }?;
-                let mut results = Vec::new();
+                let mut results = query::Results::new();
                 queries!(@eval |$model: $In $(, $arg: $kind)*| $results => $body);
                 eval(&model, $(argument_value!(record host $arg $kind),)* &mut results);
                 query::write_slots(&results, &[$($out),*])
@@ -204,7 +207,7 @@ macro_rules! queries {
         fn eval<R: Real>(
             $model: &$In<R>,
             $($arg: argument_type!(real R $kind),)*
-            $results: &mut Vec<R>,
+            $results: &mut $crate::ffi::query::Results<R>,
         ) $body
     };
 
@@ -226,7 +229,7 @@ macro_rules! queries {
                 $($check)*
                 $( arg::output($out, 1, stringify!($out))?; )*
                 let lifted = $model.lift(|value| value as $float);
-                let mut results = Vec::new();
+                let mut results = query::Results::new();
                 queries!(@eval |$model: $In $(, $arg: $kind)*| $results => $body);
                 eval(&lifted, $(argument_value!(scalar $arg $kind),)* &mut results);
                 query::write_numbers(&results, &[$($out),*]);

@@ -151,10 +151,10 @@ impl<R: Real> Profile<R> for Exponential<R> {
             near,
             || R::select(near, straight, one) * psi(R::select(near, y, zero)),
             || {
-                let far = reached & !near & column.is_bounded();
+                let far = reached & !near & finite;
                 let rate = R::select(far, -rate, one);
-                let from_above = ((rate * R::select(far, column, one)).ln() + start) / rate;
-                R::select(far, from_above, infinity)
+                let descent = ((rate * R::select(far, column, one)).ln() + start) / rate;
+                R::select(far, descent.max(zero), infinity)
             },
         )
     }

@@ -90,6 +90,17 @@ pub trait Mask:
     fn any(self) -> bool;
 }
 
+/// `a` where the mask is set, else `b`; each is computed only if some lane needs it.
+pub(crate) fn either<R: Real>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOnce() -> R) -> R {
+    if !mask.any() {
+        return b();
+    }
+    if !(!mask).any() {
+        return a();
+    }
+    R::select(mask, a(), b())
+}
+
 /// Polynomial with `coefficients` in ascending powers, by Horner's rule.
 pub(crate) fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
     let (last, rest) = coefficients

@@ -14,7 +14,7 @@
 //!
 //! Measured errors: see the table in [`crate::special`]; `tests/special.rs` asserts them.
 
-use crate::real::{Real, polynomial};
+use crate::real::{Real, either, polynomial};
 
 /// (−1)ᵏ/(k + 1)!
 const PHI: [f64; 18] = {
@@ -51,18 +51,30 @@ fn terms<R: Real>(x: R, series: &[f64], single: usize) -> &[f64] {
 pub fn phi<R: Real>(x: R) -> R {
     let one = x.lit(1.0);
     let small = x.lt(one);
-    let series = polynomial(R::select(small, x, one), terms(x, &PHI, 10));
-    let large = R::select(small, one, x);
-    R::select(small, series, (one - (-large).exp()) / large)
+    either(
+        small,
+        || polynomial(R::select(small, x, one), terms(x, &PHI, 10)),
+        || {
+            let large = R::select(small, one, x);
+            (one - (-large).exp()) / large
+        },
+    )
 }
 
 /// ψ(y) = −ln(1 − y)/y for y < 1, positive.
 pub fn psi<R: Real>(y: R) -> R {
     let (half, one, two) = (y.lit(0.5), y.lit(1.0), y.lit(2.0));
     let small = (-one).lt(y) & y.lt(half);
-    let near = R::select(small, y, y.lit(0.0));
-    let s = near / (two - near);
-    let series = polynomial(s * s, terms(y, &ARTANH, 7)) * (two / (two - near));
-    let far = R::select(small, -one, y);
-    R::select(small, series, -(one - far).ln() / far)
+    either(
+        small,
+        || {
+            let near = R::select(small, y, y.lit(0.0));
+            let s = near / (two - near);
+            polynomial(s * s, terms(y, &ARTANH, 7)) * (two / (two - near))
+        },
+        || {
+            let far = R::select(small, -one, y);
+            -(one - far).ln() / far
+        },
+    )
 }

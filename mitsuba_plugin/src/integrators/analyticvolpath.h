@@ -163,11 +163,14 @@ private:
 
     // ---- Media
 
-    static AnalyticPtr as_analytic(const MediumPtr &medium) {
+    /// Our medium behind a pointer; in scalar variants null if it is not ours.
+    static AnalyticPtr as_analytic(const Survey &found, const MediumPtr &medium) {
         if constexpr (dr::is_jit_v<Float>)
             return dr::reinterpret_array<AnalyticPtr>(medium);
-        else
+        else if (found.foreign)
             return dynamic_cast<AnalyticPtr>(medium);
+        else
+            return static_cast<AnalyticPtr>(medium);
     }
 
     static Mask is_analytic(const Survey &found, const AnalyticPtr &medium, const Mask &active) {
@@ -206,7 +209,7 @@ private:
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
             in_medium = false;
-        AnalyticPtr analytic = as_analytic(path.medium);
+        AnalyticPtr analytic = as_analytic(found, path.medium);
         Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
 
         UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
@@ -282,7 +285,7 @@ private:
             Mask in_medium = active && medium != nullptr;
             if (found.media() && dr::any_or<true>(in_medium))
                 dr::masked(result, in_medium) *=
-                    as_analytic(medium)->transmittance(ray, ray.maxt + beyond, in_medium);
+                    as_analytic(found, medium)->transmittance(ray, ray.maxt + beyond, in_medium);
             return result;
         }
 
@@ -310,7 +313,7 @@ private:
     void pass(const Scene *scene, const Survey &found, const Float &beyond, Shadow &s) const {
         s.ray.maxt = s.rest;
         Mask in_medium = s.active && s.medium != nullptr;
-        AnalyticPtr analytic = as_analytic(s.medium);
+        AnalyticPtr analytic = as_analytic(found, s.medium);
         Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
 
         Mask collided = false;
