@@ -257,6 +257,16 @@ macro_rules! lanes {
             fn any(self) -> bool {
                 self.0.any()
             }
+            #[inline]
+            fn uniform(self) -> Option<bool> {
+                if !self.0.any() {
+                    Some(false)
+                } else if self.0.all() {
+                    Some(true)
+                } else {
+                    None
+                }
+            }
         }
     };
 }

@@ -88,17 +88,20 @@ pub trait Mask:
 {
     /// Whether any lane is set; a recorded mask cannot know and answers true.
     fn any(self) -> bool;
+
+    /// What all lanes are, if they are equal and known while the formula is evaluated.
+    fn uniform(self) -> Option<bool> {
+        None
+    }
 }
 
 /// `a` where the mask is set, else `b`; each is computed only if some lane needs it.
 pub(crate) fn either<R: Real>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOnce() -> R) -> R {
-    if !mask.any() {
-        return b();
+    match mask.uniform() {
+        Some(true) => a(),
+        Some(false) => b(),
+        None => R::select(mask, a(), b()),
     }
-    if !(!mask).any() {
-        return a();
-    }
-    R::select(mask, a(), b())
 }
 
 /// Polynomial with `coefficients` in ascending powers, by Horner's rule.

@@ -6,6 +6,10 @@ impl Mask for bool {
     fn any(self) -> bool {
         self
     }
+
+    fn uniform(self) -> Option<bool> {
+        Some(self)
+    }
 }
 
 macro_rules! scalar {
