@@ -43,11 +43,11 @@ def grey(reflectance):
 GREY = {"type": "diffuse", "reflectance": {"type": "uniform", "value": 0.5}}
 
 
-def sky(radiance=0.5):
+def sky(radiance=1.0):
     return {"type": "constant", "radiance": {"type": "uniform", "value": radiance}}
 
 
-def sun(irradiance=2.0):
+def sun(irradiance=1.0):
     return {
         "type": "directional",
         "direction": [0.3, 0.4, -1.0],
@@ -89,8 +89,8 @@ def ball(medium, boundary=None, **film_options):
         "fog": sphere([0, 0, 0], 1, bsdf=boundary or {"type": "null"}, interior=medium),
         "stone": sphere([0.25, 0.1, -0.25], 0.3, bsdf=grey(0.7)),
         "floor": floor(-0.55, 3),
-        "glow": glowing_sphere([-0.4, 0.2, 0.3], 0.15, 3),
-        "lamp": lamp([1.5, -1.5, 1.5], 5),
+        "glow": glowing_sphere([-0.4, 0.2, 0.3], 0.2, 1.5),
+        "lamp": lamp([1.5, -1.5, 1.5], 3),
         "sun": sun(),
         "sky": sky(),
     }
@@ -103,8 +103,8 @@ def valley(medium, **film_options):
         "sensor": camera([0, -3, 0.6], [0, 0, 0.9], 60, medium=medium, **film_options),
         "stone": sphere([0.5, 0, 0.4], 0.4, bsdf=grey(0.7)),
         "floor": floor(0, 20),
-        "glow": glowing_sphere([-0.8, 0.5, 1.2], 0.2, 4),
-        "lamp": lamp([1.5, 2.5, 3.5], 8),
+        "glow": glowing_sphere([-0.8, 0.5, 1.2], 0.3, 1.5),
+        "lamp": lamp([1.5, 2.5, 3.5], 5),
         "sun": sun(),
         "sky": sky(),
     }

@@ -164,7 +164,7 @@ def test_light_arrives_with_the_exact_transmittance(variant, profile, direction,
     options = {} if profile == "constant" else {"up": up}
     medium = fog(profile, sigma_t=sigma_t, albedo=0.0, **options)
     if light == "sun":
-        source = scenes.sun() | {"direction": [0, 0, -1]}
+        source = scenes.sun(2.0) | {"direction": [0, 0, -1]}
     else:
         source = scenes.lamp(LIGHT_POINT.tolist(), 10.0)
     image = np.array(mi.render(mi.load_dict(shadow_of_fog(medium, source)), spp=1))
