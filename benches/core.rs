@@ -1,1 +1,159 @@
-fn main() {}
+//! Batched queries of the C ABI against their floor: a loop over the vector exponentials and
+//! logarithms that the formula must evaluate, and nothing else.
+//!
+//!     RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench
+//!
+//! Criterion prints the time of each loop; the last lines are nanoseconds per ray and the
+//! ratio to the floor.
+
+use analytic_media::ffi::*;
+use analytic_media::real::Real;
+use analytic_media::real::lanes::{F32Lanes, F64Lanes, Lanes};
+use criterion::Criterion;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Rays per batch: their data stay in the caches.
+const N: usize = 4096;
+
+const PROFILES: [(&str, [f64; 6]); 3] = [
+    ("constant", [0.0; 6]),
+    ("linear", [0.0, 0.0, 1.0, 0.0, -0.05, 1.0]),
+    ("exponential", [0.0, 0.0, 1.0, 0.0, 8.0, 0.0]),
+];
+
+fn profile(index: usize) -> AmProfile {
+    let mut values = [0.0; AM_PROFILE_VALUES];
+    values[..6].copy_from_slice(&PROFILES[index].1);
+    let kind = index as u32;
+    AmProfile { kind, values }
+}
+
+/// Median over many batches, nanoseconds per ray.
+fn nanoseconds(mut batch: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..400)
+        .map(|_| {
+            let start = Instant::now();
+            batch();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2] / N as f64 * 1e9
+}
+
+/// A line of the table: what was asked, its time and its floor's.
+type Row = (String, f64, f64);
+
+macro_rules! precision {
+    ($bench:ident, $float:ident, $Lanes:ident, $Array:ident,
+     $density:ident, $column:ident, $inv_column:ident) => {
+        fn $bench(criterion: &mut Criterion, rows: &mut Vec<Row>) {
+            let name = stringify!($float);
+            let origins: Vec<[$float; 3]> = (0..N)
+                .map(|i| [i as $float * 0.01, 1.0, 5.0 + (i % 17) as $float])
+                .collect();
+            let directions: Vec<[$float; 3]> = (0..N)
+                .map(|i| {
+                    let mu = (i as $float / N as $float) * 1.8 - 0.9;
+                    [(1.0 - mu * mu).sqrt(), 0.0, mu]
+                })
+                .collect();
+            let lengths: Vec<$float> = (0..N).map(|i| 0.1 + (i % 23) as $float).collect();
+            let mut out: Vec<$float> = vec![0.0; N];
+
+            // The floors: `exps` exponentials and `logs` logarithms per ray.
+            let floor = |exps: usize, logs: usize, out: &mut [$float]| {
+                for first in (0..N).step_by($Lanes::COUNT) {
+                    let mut x = $Lanes::gather(|lane| lengths[first + lane]);
+                    for _ in 0..exps {
+                        x = (-x).exp();
+                    }
+                    for _ in 0..logs {
+                        x = x.ln();
+                    }
+                    x.scatter(|lane, value| out[first + lane] = value);
+                }
+            };
+
+            for index in 0..PROFILES.len() {
+                let profile = profile(index);
+                let points = |data: &[[$float; 3]]| $Array {
+                    data: data.as_ptr().cast(),
+                    stride: 3,
+                };
+                let numbers = $Array {
+                    data: lengths.as_ptr(),
+                    stride: 1,
+                };
+                let (o, d) = (points(&origins), points(&directions));
+                let costs = if PROFILES[index].0 == "exponential" {
+                    [(1, 0), (2, 0), (1, 2)]
+                } else {
+                    [(0, 0); 3]
+                };
+                for (question, (exps, logs)) in
+                    ["density", "column", "inv_column"].into_iter().zip(costs)
+                {
+                    let out_pointer = out.as_mut_ptr();
+                    let mut ask = || {
+                        // SAFETY: every array has N items.
+                        let status = unsafe {
+                            match question {
+                                "density" => $density(&profile, N, o, out_pointer),
+                                "column" => $column(&profile, N, o, d, numbers, out_pointer),
+                                _ => $inv_column(&profile, N, o, d, numbers, out_pointer),
+                            }
+                        };
+                        assert_eq!(status, AmStatus::Ok);
+                        black_box(out_pointer);
+                    };
+                    let name = format!("{name} {} {question}", PROFILES[index].0);
+                    criterion.bench_function(&name, |b| b.iter(&mut ask));
+                    let time = nanoseconds(&mut ask);
+                    let least = nanoseconds(|| {
+                        floor(exps, logs, &mut out);
+                        black_box(&out);
+                    });
+                    rows.push((name, time, least));
+                }
+            }
+        }
+    };
+}
+
+precision!(
+    bench_f32,
+    f32,
+    F32Lanes,
+    AmArrayF32,
+    am_profile_density_batch_f32,
+    am_profile_column_batch_f32,
+    am_profile_inv_column_batch_f32
+);
+precision!(
+    bench_f64,
+    f64,
+    F64Lanes,
+    AmArrayF64,
+    am_profile_density_batch_f64,
+    am_profile_column_batch_f64,
+    am_profile_inv_column_batch_f64
+);
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .warm_up_time(std::time::Duration::from_millis(100))
+        .measurement_time(std::time::Duration::from_millis(400))
+        .configure_from_args();
+    let mut rows = Vec::new();
+    bench_f32(&mut criterion, &mut rows);
+    bench_f64(&mut criterion, &mut rows);
+    println!(
+        "\n{:<32} {:>8} {:>8} {:>6}",
+        "ns per ray", "query", "floor", "ratio"
+    );
+    for (name, time, floor) in rows {
+        println!("{name:<32} {time:>8.2} {floor:>8.2} {:>6.2}", time / floor);
+    }
+}
