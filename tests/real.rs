@@ -41,8 +41,11 @@ fn numbers(single: bool) -> Vec<f64> {
     }
 }
 
+/// Results by the name of their operation.
+type Named<R> = Vec<(&'static str, R)>;
+
 /// Every operation of one argument; masks come out as 1 and 0.
-fn unary<R: Real>(x: R) -> Vec<(&'static str, R)> {
+fn unary<R: Real>(x: R) -> Named<R> {
     let truth = |mask| R::select(mask, x.lit(1.0), x.lit(0.0));
     let positive = x.lit(0.0).lt(x);
     vec![
@@ -58,7 +61,7 @@ fn unary<R: Real>(x: R) -> Vec<(&'static str, R)> {
 }
 
 /// Every operation of two and three arguments.
-fn binary<R: Real>(x: R, y: R) -> Vec<(&'static str, R)> {
+fn binary<R: Real>(x: R, y: R) -> Named<R> {
     let truth = |mask| R::select(mask, x.lit(1.0), x.lit(0.0));
     vec![
         ("add", x + y),
@@ -89,12 +92,7 @@ fn agree(got: f64, expected: f64, ulps: f64, single: bool) -> bool {
 }
 
 /// `got` and `expected` hold the same operations.
-fn compare(
-    (got, expected): (Vec<(&'static str, f64)>, Vec<(&'static str, f64)>),
-    ulps: f64,
-    single: bool,
-    input: &str,
-) {
+fn compare((got, expected): (Named<f64>, Named<f64>), ulps: f64, single: bool, input: &str) {
     for ((name, got), (_, expected)) in got.into_iter().zip(expected) {
         let ulps = if ["exp", "ln"].contains(&name) {
             ulps
@@ -108,7 +106,7 @@ fn compare(
     }
 }
 
-fn named<R>(results: Vec<(&'static str, R)>, lower: impl Fn(R) -> f64) -> Vec<(&'static str, f64)> {
+fn named<R>(results: Named<R>, lower: impl Fn(R) -> f64) -> Named<f64> {
     let lower = |(name, value)| (name, lower(value));
     results.into_iter().map(lower).collect()
 }

@@ -32,6 +32,7 @@ macro_rules! array {
                 Ok(())
             }
 
+            #[inline(always)]
             unsafe fn get(&self, item: usize, component: usize) -> $float {
                 // SAFETY: promised by the caller.
                 unsafe { *self.data.add(item * self.stride + component) }

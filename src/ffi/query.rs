@@ -49,17 +49,33 @@ pub unsafe fn point<T: Copy>(pointer: *const T, name: &str) -> Result<Vector<T>,
     Ok([numbers[0], numbers[1], numbers[2]])
 }
 
-/// Runs `question(items, results)` for `n` items, lanes at a time. `items(k)` is the item of
-/// lane k: lanes beyond the end repeat the last item, and their results are dropped.
+/// The items that the lanes hold.
+#[derive(Clone, Copy)]
+pub struct Items {
+    first: usize,
+    last: usize,
+}
+
+impl Items {
+    /// The item of a lane; lanes beyond the end repeat the last item.
+    #[inline(always)]
+    pub fn at(self, lane: usize) -> usize {
+        (self.first + lane).min(self.last)
+    }
+}
+
+/// Runs `question(items, results)` for `n` items, lanes at a time. The results of lanes beyond
+/// the end are dropped.
 pub fn in_lanes<L: Lanes>(
     n: usize,
     outputs: &[*mut L::Scalar],
-    mut question: impl FnMut(&dyn Fn(usize) -> usize, &mut Results<L>),
+    mut question: impl FnMut(Items, &mut Results<L>),
 ) {
     let mut results = Results::new();
     for first in (0..n).step_by(L::COUNT) {
         results.clear();
-        question(&|lane| (first + lane).min(n - 1), &mut results);
+        let last = n - 1;
+        question(Items { first, last }, &mut results);
         let width = results.len() / outputs.len();
         for (k, result) in results.iter().enumerate() {
             let (output, channel) = (outputs[k / width], k % width);
@@ -118,11 +134,11 @@ macro_rules! argument_value {
     };
     (batch $lanes:ident $item:ident $name:ident point) => {
         // SAFETY: the array has been checked, and the caller promises n items.
-        std::array::from_fn(|i| $lanes::gather(|lane| unsafe { $name.get($item(lane), i) }))
+        std::array::from_fn(|i| $lanes::gather(|lane| unsafe { $name.get($item.at(lane), i) }))
     };
     (batch $lanes:ident $item:ident $name:ident number) => {
         // SAFETY: as above.
-        $lanes::gather(|lane| unsafe { $name.get($item(lane), 0) })
+        $lanes::gather(|lane| unsafe { $name.get($item.at(lane), 0) })
     };
     (record $host:ident $name:ident point) => {
         // SAFETY: promised by the caller.
