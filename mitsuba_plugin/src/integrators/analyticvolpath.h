@@ -123,6 +123,9 @@ public:
     MI_DECLARE_CLASS(AnalyticVolpathIntegrator)
 
 private:
+    /// Shadow rays that less than this gets through are traced with a lower probability.
+    static constexpr ScalarFloat DimTransmittance = 0.25f;
+
     /// State of a path between two vertices.
     struct Path {
         Mask active;
@@ -280,12 +283,20 @@ private:
                            MediumPtr medium, const Mask &infinite, Mask active) const {
         Float beyond = dr::select(infinite, dr::Infinity<Float>, 0.f);
         if (!found.permeable && !found.foreign) {
-            active &= !scene->ray_test(ray, active);
+            // What gets through the medium is known before the ray is traced: through thick fog
+            // only some rays are.
             Spectrum result = dr::select(active, Spectrum(1.f), 0.f);
             Mask in_medium = active && medium != nullptr;
-            if (found.media() && dr::any_or<true>(in_medium))
-                dr::masked(result, in_medium) *=
+            if (found.media() && dr::any_or<true>(in_medium)) {
+                UnpolarizedSpectrum through =
                     as_analytic(found, medium)->transmittance(ray, ray.maxt + beyond, in_medium);
+                Float chance = dr::minimum(dr::max(through) / DimTransmittance, 1.f);
+                Mask dim = in_medium && chance < 1.f;
+                if (dr::any_or<true>(dim))
+                    active &= !dim || sampler->next_1d(dim) < chance;
+                dr::masked(result, in_medium) *= dr::select(active, through / chance, 0.f);
+            }
+            dr::masked(result, active) = dr::select(scene->ray_test(ray, active), 0.f, result);
             return result;
         }
 
