@@ -29,3 +29,18 @@ def llvm():
     import drjit.llvm.ad
 
     return drjit.llvm.ad
+
+
+@pytest.fixture(scope="module")
+def variant(request):
+    """A variant of Mitsuba, by indirect parameters; skips where it cannot run."""
+    dr = pytest.importorskip("drjit", reason="Dr.Jit is not installed")
+    mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
+    from analytic_media import _build
+
+    if request.param not in _build.VARIANTS:
+        pytest.skip(f"the plugins were built without {request.param}")
+    if request.param.startswith("llvm") and not dr.has_backend(dr.JitBackend.LLVM):
+        pytest.skip("Dr.Jit found no LLVM library: run tools/ensure_llvm.sh")
+    mi.set_variant(request.param)
+    return request.param

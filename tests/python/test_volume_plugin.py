@@ -48,7 +48,9 @@ def test_values_are_those_of_the_profile(variant, profile, rng):
 @scalar_and_llvm
 def test_outside_of_the_box_there_is_nothing(variant):
     loaded = mi.load_dict(volume("constant"))
-    np.testing.assert_array_equal(look_up(loaded, [[0, 0, 1.99], [0, 0, 2.01], [-3, 0, 0]]), [1, 0, 0])
+    np.testing.assert_array_equal(
+        look_up(loaded, [[0, 0, 1.99], [0, 0, 2.01], [-3, 0, 0]]), [1, 0, 0]
+    )
     assert list(loaded.bbox().min) == BOX["bbox_min"]
     assert list(loaded.bbox().max) == BOX["bbox_max"]
 
