@@ -39,7 +39,7 @@ def measure(method, variant):
     import drjit as dr
     import mitsuba as mi
 
-    import analytic_media  # noqa: F401: registers the plugins
+    import analytic_media  # noqa: F401  (registers the plugins)
 
     mi.set_variant(variant)
     look_at = mi.ScalarTransform4f().look_at([0, -4, 1], [0, 0, 0], [0, 0, 1])

@@ -160,3 +160,9 @@ def linear_grid_fog():
     volume = {"type": "gridvolume", "grid": grid, "raw": True, "to_world": to_world}
     stock = {"type": "heterogeneous", "sigma_t": volume, "scale": 1.5, "albedo": 0.8}
     return stock | {"phase": PHASE}
+
+
+def medium_prefix(params):
+    """What the names of the parameters of a scene's fog begin with."""
+    keys = list(params.keys())
+    return next(key for key in keys if key.endswith("base_height")).removesuffix("base_height")

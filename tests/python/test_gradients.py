@@ -31,7 +31,7 @@ def load(profile):
     lights = {"sun": scenes.sun(), "sky": scenes.sky(0.5)}
     scene = mi.load_dict({"type": "scene", "sensor": sensor, "ball": ball} | lights)
     params = mi.traverse(scene)
-    prefix = next(k for k in params.keys() if k.endswith("base_height")).removesuffix("base_height")
+    prefix = scenes.medium_prefix(params)
     return scene, params, prefix
 
 

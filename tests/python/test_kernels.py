@@ -52,7 +52,7 @@ def test_changed_parameters_reuse_every_kernel(variant, history, fog, integrator
     first = kernels()
     assert first
     params = mi.traverse(scene)
-    prefix = next(k for k in params.keys() if k.endswith("base_height")).removesuffix("base_height")
+    prefix = scenes.medium_prefix(params)
     for name, value in (own | COMMON).items():
         params[prefix + name] = value
         params.update()

@@ -88,8 +88,7 @@ def test_changed_parameters_make_the_medium_that_a_scene_would_state(variant, in
     changed = scene()
     before = np.array(mi.render(changed, spp=4, seed=1))
     params = mi.traverse(changed)
-    prefix = next(key for key in params.keys() if key.endswith("scale_height"))
-    prefix = prefix.removesuffix("scale_height")
+    prefix = scenes.medium_prefix(params)
     for name, value in stated.items():
         key = prefix + (f"{name}.value.value" if name in ("sigma_t", "albedo") else name)
         params[key] = value

@@ -204,13 +204,11 @@ def mixed(outer, inner, **film):
 @pytest.mark.parametrize("outer", ["ours", "stock"])
 def test_mixed_media_agree_with_volpath(variant, outer):
     """Delta and ratio tracking where the medium is stock's, formulas where it is ours."""
-    ours, stock = scenes.exponential_fog(sigma_t=0.4), scenes.homogeneous_fog()
-    box = scenes.constant_fog(sigma_t=2.0)
     if outer == "ours":
-        scene = mixed(ours, stock)
+        media = scenes.exponential_fog(sigma_t=0.4), scenes.homogeneous_fog()
     else:
-        scene = mixed(scenes.tracked_exponential_fog(), box)
-    assert_like_volpath(scene)
+        media = scenes.tracked_exponential_fog(), scenes.constant_fog(sigma_t=2.0)
+    assert_like_volpath(mixed(*media))
 
 
 @scalar_rgb

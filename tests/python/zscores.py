@@ -50,7 +50,8 @@ class Comparison:
     def __str__(self):
         return (
             f"{self.pixels} pixels: mean z {self.mean:+.4f} "
-            f"({self.mean_in_standard_errors:+.1f} standard errors; {self.raw_mean:+.4f} as it is), "
+            f"({self.mean_in_standard_errors:+.1f} standard errors; "
+            f"{self.raw_mean:+.4f} as it is), "
             f"deviation {self.deviation:.3f} (Student: {self.expected_deviation:.3f}), "
             f"means differ by {self.relative_difference:+.2%}"
         )
@@ -93,8 +94,8 @@ def third_cumulant(passes):
 def assert_agree(a, b, pixels=4096):
     """The means of two sets of passes agree within the noise, and the noise is what it should be.
 
-    Both sides have as many passes. The mean may be 4 of its standard errors off (1 of 16 000 correct images is), the deviation
-    0.05, which is 4 to 5 standard errors of 4096 pixels.
+    Both sides have as many passes. The mean may be 4 of its standard errors off (1 of 16 000
+    correct images is), the deviation 0.05, which is 4 to 5 standard errors of 4096 pixels.
     """
     for channel, result in enumerate(compare(a, b)):
         print(f"\n    channel {channel}, {result}", end="")
