@@ -74,11 +74,11 @@ def test_medium_agrees_with_stock(passes_of, stock, ours):
 
 CHROMATIC = {
     "rgb": {"type": "rgb", "value": [0.4, 1.2, 3.0]},
-    "spectral": {"type": "spectrum", "value": [(380, 3.0), (550, 1.2), (720, 0.4)]},
+    "spectral": {"type": "spectrum", "value": [(360, 3.0), (550, 1.2), (830, 0.4)]},
 }
 COLOURED_ALBEDO = {
     "rgb": {"type": "rgb", "value": [0.95, 0.8, 0.5]},
-    "spectral": {"type": "spectrum", "value": [(380, 0.5), (550, 0.8), (720, 0.95)]},
+    "spectral": {"type": "spectrum", "value": [(360, 0.5), (550, 0.8), (830, 0.95)]},
 }
 
 
