@@ -15,6 +15,8 @@ from zscores import assert_agree, render_passes
 
 SPP = 8
 
+GOLD = {"type": "conductor", "material": "Au"}
+
 OURS = {"type": "analyticvolpath"}
 VOLPATH = {"type": "volpath"}
 # Too dark whenever Russian roulette is active, so it gets none.
@@ -105,12 +107,16 @@ def test_chromatic_extinction_agrees_with_volpathmis(variant, albedo):
     "variant", ["scalar_spectral_polarized", "llvm_ad_mono_polarized"], indirect=True
 )
 def test_polarised_variants_agree_with_stock(variant):
-    """A conductor polarises, so that Mueller matrices meet the medium."""
-    scene, ours = (
-        scenes.ball(fog) | {"stone": scenes.sphere([0.2, 0, -0.1], 0.5, bsdf={"type": "conductor"})}
-        for fog in (scenes.homogeneous_fog(), scenes.constant_fog())
-    )
-    assert_agree(render(scene, VOLPATH, 0, spp=4), render(ours, OURS, 1, spp=4))
+    """Gold polarises, so that Mueller matrices meet the medium.
+
+    Without the glowing sphere, whose light is NaN at times to volpath in scalar polarised variants.
+    """
+    sides = []
+    for fog in (scenes.homogeneous_fog(), scenes.constant_fog()):
+        scene = scenes.ball(fog) | {"stone": scenes.sphere([0.2, 0, -0.1], 0.5, bsdf=GOLD)}
+        del scene["glow"]
+        sides.append(scene)
+    assert_agree(render(sides[0], VOLPATH, 0, spp=4), render(sides[1], OURS, 1, spp=4))
 
 
 # ---- Features of a scene, in one variant: stock volpath renders the same scene
