@@ -55,7 +55,7 @@ lint: .venv/.requirements
 test-rust:
 	@echo "== Rust, C and C++: debug, then release"
 	cargo test --locked
-	cargo test --locked --release
+	CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 cargo test --locked --release
 
 test-python: build
 	@echo "== Python and Mitsuba"
