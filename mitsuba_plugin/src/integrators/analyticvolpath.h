@@ -83,9 +83,11 @@ public:
                     bool evaluate) override {
         m_survey = look_at(scene, sensor->medium());
         m_surveyed = scene;
-        TensorXf image = Base::render(scene, sensor, seed, spp, develop, evaluate);
-        m_surveyed = nullptr;
-        return image;
+        struct Forget {
+            const Scene *&scene;
+            ~Forget() { scene = nullptr; }
+        } forget{ m_surveyed }; // after a failure too: another scene may get the same address
+        return Base::render(scene, sensor, seed, spp, develop, evaluate);
     }
 
     std::pair<Spectrum, Mask> sample(const Scene *scene, Sampler *sampler,
