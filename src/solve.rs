@@ -105,8 +105,9 @@ impl<R: Real> Search<R> {
 /// The t in the bracket with g(t) = `target` > 0, from the guess `t`.
 ///
 /// `value` is g and `slopes` are g′ ≥ 0 and g″, without derivatives by parameters, for the
-/// iteration; `attached` is g with them, for one last step: that step carries ∂t/∂θ = −(∂g/∂θ)/f, the implicit function theorem,
-/// so that derivatives never run through the iteration.
+/// iteration; `attached` is g with them, for one last step. That step carries
+/// ∂t/∂θ = −(∂g/∂θ)/f, the implicit function theorem, so that derivatives never run through
+/// the iteration.
 pub fn increasing<R: Real>(
     value: impl Fn(R) -> R,
     slopes: impl Fn(R) -> (R, R),
