@@ -67,11 +67,11 @@ def draw(converged, images):
 
 
 def write(figure, path):
-    """With a palette: noise does not compress."""
+    """With 5 bits per colour: noise does not compress."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=100)
-    picture = Picture.open(buffer).convert("RGB").quantize(256, dither=Picture.Dither.NONE)
-    picture.save(path, optimize=True)
+    picture = Picture.open(buffer).convert("RGB")
+    picture.point(lambda value: value & 0xF8 | value >> 5).save(path, optimize=True)
 
 
 def main():
