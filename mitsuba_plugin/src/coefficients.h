@@ -88,7 +88,7 @@ public:
             line("sigma_a", m_sigma_a);
             line("sigma_s", m_sigma_s);
         }
-        oss << "  scale = " << m_scale << "," << std::endl;
+        oss << "  scale = " << dr::slice(dr::detach(m_scale)) << "," << std::endl;
         return oss.str();
     }
 

@@ -115,13 +115,14 @@ public:
     std::string to_string() const {
         std::ostringstream oss;
         oss << "  profile = \"" << m_name << "\"," << std::endl;
-        size_t scalar = 0, vector = 0;
-        for (const am_parameter &parameter : m_parameters) {
-            oss << "  " << parameter.name << " = ";
-            if (parameter.size == 3)
-                oss << m_vectors[vector++];
+        const am_profile profile = values();
+        for (const am_parameter &p : m_parameters) {
+            const double *value = profile.values + p.offset;
+            oss << "  " << p.name << " = ";
+            if (p.size == 3)
+                oss << "[" << value[0] << ", " << value[1] << ", " << value[2] << "]";
             else
-                oss << m_scalars[scalar++];
+                oss << value[0];
             oss << "," << std::endl;
         }
         return oss.str();

@@ -74,11 +74,13 @@ Analytic medium (:monosp:`analytic`)
    - |point|
    - Corners of the axis-aligned box, in world space, that the medium fills. Both or neither.
      (Default: all of space)
+   - |exposed|
 
  * - max_density
    - |float|
    - Without a box, stock integrators see the density clamped to this value; they need a bound.
      (Default: 1)
+   - |exposed|
 
  * - has_spectral_extinction
    - |bool|
@@ -138,20 +140,25 @@ public:
                   m_phase_function->class_name());
         if (m_extent.bounded() && props.has_property("max_density"))
             Throw("max_density and bbox_min exclude each other: the box has its own bound");
-        m_clamp = props.get<ScalarFloat>("max_density", 1.f);
-        if (!(m_clamp > 0.f) || !dr::isfinite(m_clamp))
-            Throw("max_density must be finite and > 0, got %f", m_clamp);
+        const auto clamp = props.get<ScalarFloat>("max_density", 1.f);
+        if (!(clamp > 0.f) || !dr::isfinite(clamp))
+            Throw("max_density must be finite and > 0, got %f", clamp);
+        m_max_density = clamp;
         update();
     }
 
     void traverse(TraversalCallback *cb) override {
         m_profile.traverse(cb);
+        m_extent.traverse(cb);
+        if (!m_extent.bounded())
+            cb->put("max_density", m_max_density, ParamFlags::NonDifferentiable);
         m_coefficients.traverse(cb);
         Base::traverse(cb);
     }
 
     void parameters_changed(const std::vector<std::string> & /* keys */ = {}) override {
         m_profile.update();
+        m_extent.update();
         m_coefficients.update();
         update();
     }
@@ -257,10 +264,8 @@ public:
 private:
     /// The bound of the density that stock integrators track against.
     void update() {
-        Float bound(m_clamp);
         if (m_extent.bounded())
-            bound = dr::detach(m_profile.max_in_box(m_extent.bbox().min, m_extent.bbox().max));
-        m_max_density = bound;
+            m_max_density = dr::detach(m_profile.max_in_box(m_extent.min(), m_extent.max()));
         dr::make_opaque(m_max_density);
     }
 
@@ -291,10 +296,9 @@ private:
     Profile<Float, Spectrum> m_profile;
     Extent<Float, Spectrum> m_extent;
     Coefficients<Float, Spectrum> m_coefficients;
-    ScalarFloat m_clamp;
     Float m_max_density;
 
-    MI_TRAVERSE_CB(Base, m_profile, m_coefficients, m_max_density)
+    MI_TRAVERSE_CB(Base, m_profile, m_extent, m_coefficients, m_max_density)
 };
 
 } // namespace mitsuba

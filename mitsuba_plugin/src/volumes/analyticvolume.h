@@ -75,7 +75,8 @@ public:
         m_scale = props.get<ScalarFloat>("scale", 1.f);
         if (!(dr::slice(m_scale) >= 0.f) || !dr::isfinite(dr::slice(m_scale)))
             Throw("scale must be finite and >= 0, got %f", dr::slice(m_scale));
-        m_bbox = m_extent.bbox();
+        m_bbox = ScalarBoundingBox3f(props.get<ScalarPoint3f>("bbox_min"),
+                                     props.get<ScalarPoint3f>("bbox_max"));
         m_channel_count = 1;
         dr::make_opaque(m_scale);
     }
@@ -108,7 +109,8 @@ public:
     std::string to_string() const override {
         std::ostringstream oss;
         oss << "AnalyticVolume[" << std::endl
-            << m_profile.to_string() << m_extent.to_string() << "  scale = " << m_scale << std::endl
+            << m_profile.to_string() << m_extent.to_string()
+            << "  scale = " << dr::slice(dr::detach(m_scale)) << std::endl
             << "]";
         return oss.str();
     }
@@ -120,7 +122,7 @@ private:
     Extent<Float, Spectrum> m_extent;
     Float m_scale;
 
-    MI_TRAVERSE_CB(Base, m_profile, m_scale)
+    MI_TRAVERSE_CB(Base, m_profile, m_extent, m_scale)
 };
 
 } // namespace mitsuba
