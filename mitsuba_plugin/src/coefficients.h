@@ -35,9 +35,9 @@ public:
             m_albedo = quantity(props, "albedo", 0.75f, 1.f);
             m_chromatic = !is_float(props, "sigma_t");
         }
-        m_scale = props.get<ScalarFloat>("scale", 1.f);
-        if (!(dr::slice(m_scale) >= 0.f) || !dr::isfinite(dr::slice(m_scale)))
-            Throw("scale must be finite and >= 0, got %f", dr::slice(m_scale));
+        const auto scale = props.get<ScalarFloat>("scale", 1.f);
+        check("scale", scale, dr::Infinity<double>);
+        m_scale = scale;
         update();
     }
 
@@ -55,8 +55,13 @@ public:
         }
     }
 
-    /// Keeps the scale out of compiled kernels.
-    void update() { dr::make_opaque(m_scale); }
+    /// Keeps the scale out of compiled kernels; scalar variants check it.
+    void update() {
+        if constexpr (dr::is_jit_v<Float>)
+            dr::make_opaque(m_scale);
+        else
+            check("scale", m_scale, dr::Infinity<double>);
+    }
 
     /// Extinction coefficient at relative density 1.
     template <typename Interaction>

@@ -62,18 +62,18 @@ class Medium:
         return self._answer("extinction", _arrays.point("x", x))
 
     def optical_depth(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> Result:
-        """Optical depth from `o` to the distance `t` >= 0 (Eq. 8); dimensionless.
+        """Optical depth from `o` to the distance `t` >= 0 (Eq. 10); dimensionless.
 
         `t` may be infinite, and so may the optical depth. It does not decrease with `t`.
         """
         return self._answer("optical_depth", *_arrays.segment(o, d, t))
 
     def transmittance(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> Result:
-        """exp(-optical depth) (Eq. 9), in [0, 1]."""
+        """exp(-optical depth) (Eq. 11), in [0, 1]."""
         return self._answer("transmittance", *_arrays.segment(o, d, t))
 
     def opacity(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> Result:
-        """1 - transmittance (Eq. 11), in [0, 1]; exact for thin media too."""
+        """1 - transmittance (Eq. 9), in [0, 1]; exact for thin media too."""
         return self._answer("opacity", *_arrays.segment(o, d, t))
 
     def free_flight(

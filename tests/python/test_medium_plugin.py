@@ -51,6 +51,14 @@ def test_a_box_is_exposed_and_can_be_moved(variant):
     assert "bbox_max = [1, 1, 4]," in str(medium)
 
 
+@scalar_rgb
+def test_scalar_variants_check_what_is_changed(variant):
+    params = mi.traverse(mi.load_dict(EXPONENTIAL))
+    params["scale"] = -1.0
+    with pytest.raises(RuntimeError, match="scale must be finite and >= 0, got -1"):
+        params.update()
+
+
 @scalar_and_llvm
 def test_both_parametrisations_are_exposed_under_their_names(variant):
     params = mi.traverse(mi.load_dict(CONSTANT | {"sigma_a": 0.1, "sigma_s": 0.3}))

@@ -26,7 +26,8 @@ PROFILE_PARAMETERS = {
 }
 PROFILE_TYPES = {"constant": "Constant", "linear": "Linear", "exponential": "Exponential"}
 COEFFICIENTS = ("sigma_t", "sigma_a", "sigma_s", "albedo", "scale")
-OWN_PARAMETERS = {"profile", "bbox_min", "bbox_max", *COEFFICIENTS}.union(
+BOUNDS = ("bbox_min", "bbox_max", "max_density")
+OWN_PARAMETERS = {"profile", "has_spectral_extinction", *BOUNDS, *COEFFICIENTS}.union(
     *PROFILE_PARAMETERS.values()
 )
 
