@@ -20,7 +20,7 @@ EXPONENTIAL = {"profile": "exponential", "scale_height": 0.8, "base_height": -1.
 LINEAR = {"profile": "linear", "gradient": -0.3, "density": 1.0, "base_height": -1.0}
 
 PATHS = {"max_depth": 8, "rr_depth": 1000}
-SPP, SEEDS = 256, range(6)
+SPP, SEEDS = 256, range(12)
 
 
 def load(profile):
