@@ -1,8 +1,9 @@
 //! Where the matter is: relative density along rays, in closed form.
 //!
 //! A profile answers four questions, in this order: `density`, `column`, `inv_column`,
-//! `bounds`; the first at a point and along a ray, the last on a segment and in a box. Spectra never enter a profile. The list of profiles stands here, once:
-//! to add one, write its file, and add a line to `profiles!` below.
+//! `bounds`; the first at a point and along a ray, the last on a segment and in a box.
+//! Spectra never enter a profile. The list of profiles stands here, once: to add one, write
+//! its file, and add a line to `profiles!` below.
 
 pub mod constant;
 pub mod exponential;

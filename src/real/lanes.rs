@@ -1,7 +1,7 @@
 //! `Real` for SIMD lanes: eight `f32` or four `f64`, through the crate `wide`.
 //!
-//! `wide` rounds `exp` to zero near the ends of its range and for NaN, which is mended here. Its `ln` in
-//! f64 is 1e-13 off (its ln 2 has too few digits), so `ln` is written here:
+//! `wide` rounds `exp` to zero near the ends of its range and for NaN, which is mended here.
+//! Its `ln` in f64 is 1e-13 off (its ln 2 has too few digits), so `ln` is written here:
 //!
 //!     x = 2ᵏ m, ½√2 ≤ m < √2,  f = m − 1,  s = f/(2 + f)
 //!     ln x = k ln 2 + f − f²/2 + s (f²/2 + R),  R = 2/3 s² + 2/5 s⁴ + …
