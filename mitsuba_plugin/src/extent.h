@@ -61,7 +61,9 @@ public:
 
     /// Whether a point is inside.
     Mask contains(const Point3f &p) const {
-        return !m_bounded || dr::all(p >= m_min && p <= m_max);
+        if (!m_bounded)
+            return true;
+        return dr::all(p >= m_min && p <= m_max);
     }
 
     std::string to_string() const {
