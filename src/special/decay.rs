@@ -1,0 +1,32 @@
+//! What decays like a Gaussian: the integral that columns around a centre are made of.
+//!
+//!     D(a, Y) = ∫_√a^√(a+Y) e^(a − x²) g(x²) dx                          (1)
+//!
+//! With x² = a + y, y is the exponent gained since the start: e^(−y) = 1 there and e^(−Y) at
+//! the end. The Chapman function and columns around a planet have a smooth algebraic g (see
+//! `super::chapman`), erfcx and columns of Gaussians a constant one.
+//!
+//! The start is factored out and the length of the interval is Y/(√(a+Y) + √a), so nothing
+//! cancels, however short the interval or large a. One rule of [`super::gauss_legendre`]
+//! serves every interval; what lies beyond Y = 17 (f32) or 37 (f64) is below rounding.
+//! There is no switch between methods, hence no seam: D grows with Y by sums of positive
+//! terms.
+
+use super::gauss_legendre::integrate;
+use crate::real::Real;
+
+/// (1) from `start` = √a ≥ 0 over the exponent `range` = Y ≥ 0, which may be infinite.
+pub fn decay<R: Real>(start: R, range: R, g: impl Fn(R) -> R) -> R {
+    let (cutoff, vanishing) = if start.digits() <= 24 {
+        (17.0, 1e-37)
+    } else {
+        (37.0, 1e-300)
+    };
+    let range = range.min(range.lit(cutoff));
+    let end = start.mul_add(start, range).max(range.lit(vanishing)).sqrt();
+    integrate(range / (end + start), |step| {
+        let x = start + step;
+        let exponent = step * (start + x);
+        (-exponent).exp() * g(x * x)
+    })
+}
