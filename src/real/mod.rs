@@ -43,6 +43,11 @@ pub trait Real:
     /// e^self; 0 or ∞ beyond the range of the format.
     #[must_use]
     fn exp(self) -> Self;
+    /// e^x of each; faster than one by one where the hardware has lanes.
+    #[must_use]
+    fn exp_each<const N: usize>(exponents: [Self; N]) -> [Self; N] {
+        exponents.map(Self::exp)
+    }
     /// Natural logarithm; −∞ at 0, ∞ at ∞.
     #[must_use]
     fn ln(self) -> Self;

@@ -1,5 +1,6 @@
 //! `Real` for `f32` and `f64`.
 
+use super::lanes::{F32Lanes, F64Lanes, Lanes};
 use super::{Mask, Real};
 
 impl Mask for bool {
@@ -13,7 +14,7 @@ impl Mask for bool {
 }
 
 macro_rules! scalar {
-    ($($float:ident)*) => { $(
+    ($($float:ident in $Lanes:ident)*) => { $(
         impl Real for $float {
             type Mask = bool;
 
@@ -32,6 +33,19 @@ macro_rules! scalar {
             #[inline]
             fn exp(self) -> Self {
                 $float::exp(self)
+            }
+            #[inline]
+            fn exp_each<const N: usize>(mut exponents: [Self; N]) -> [Self; N] {
+                for some in exponents.chunks_mut($Lanes::COUNT) {
+                    let lane = |i: usize| some[i.min(some.len() - 1)];
+                    let decay = $Lanes::gather(lane).exp();
+                    decay.scatter(|i, value| {
+                        if let Some(slot) = some.get_mut(i) {
+                            *slot = value;
+                        }
+                    });
+                }
+                exponents
             }
             #[inline]
             fn ln(self) -> Self {
@@ -78,4 +92,4 @@ macro_rules! scalar {
     )* };
 }
 
-scalar!(f32 f64);
+scalar!(f32 in F32Lanes f64 in F64Lanes);

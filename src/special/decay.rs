@@ -24,9 +24,12 @@ pub fn decay<R: Real>(start: R, range: R, g: impl Fn(R) -> R) -> R {
     };
     let range = range.min(range.lit(cutoff));
     let end = start.mul_add(start, range).max(range.lit(vanishing)).sqrt();
-    integrate(range / (end + start), |step| {
-        let x = start + step;
-        let exponent = step * (start + x);
-        (-exponent).exp() * g(x * x)
-    })
+    integrate(
+        range / (end + start),
+        |step| step * (start + start + step),
+        |step| {
+            let x = start + step;
+            g(x * x)
+        },
+    )
 }
