@@ -30,14 +30,14 @@ class Grid:
         data = self.data * np.asarray(colour, dtype=np.float32)
         return Grid(np.ascontiguousarray(data), self.bbox)
 
-    def density(self, x):
-        """Interpolated density of the first channel at points `x` (..., 3) inside the box."""
+    def density(self, x, channel=0):
+        """Interpolated density of a channel at points `x` (..., 3) inside the box."""
         lower, upper = (np.asarray(corner, dtype=float) for corner in self.bbox)
         n = self.resolution
         place = np.clip((x - lower) / (upper - lower) * n - 0.5, 0, n - 1)
         cell = np.minimum(place.astype(int), n - 2)
         frac = place - cell
-        values = self.data[..., 0]
+        values = self.data[..., channel]
         result = np.zeros(place.shape[:-1])
         for dz in (0, 1):
             for dy in (0, 1):

@@ -205,14 +205,12 @@ def test_camera_rays_pass_index_matched_boundaries(tmp_path):
 
 def test_transmittance_of_a_fine_grid_is_nearly_exact(scene, tmp_path):
     """The trilinear error of exp(-z/H) is (cell/H)²/12 at most, here 0.1 %, plus the edges."""
-    from analytic_media.compare import bias
-    from analytic_media.voxelize import voxelize
+    from analytic_media.compare import bias, media
 
     state = twin.parse(scene(), VARIANT)
-    [node] = twin.analytic_nodes(state)
-    medium = twin.read_medium(node)
+    [medium] = twin.read_media(state)
     fan = bias.camera_fan(state, VARIANT, rays=12)
-    grids = [voxelize(medium.profile, medium.bbox, n) for n in (8, 40)]
+    grids = [media.grids(medium, medium.bbox, n).extinction for n in (8, 40)]
     result = bias.transmittance_bias(fan, medium, medium.bbox, grids)
     coarse, fine = (abs(result["grids"][n]["largest_relative_bias"]) for n in (8, 40))
     assert fine < 2e-3 < coarse

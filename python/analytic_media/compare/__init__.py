@@ -4,9 +4,9 @@ import json
 from datetime import UTC, datetime
 from pathlib import Path
 
-from ..voxelize import voxelize
 from . import bias, protocol, report, twin
 from .environment import environment
+from .media import grids as grids_of
 from .methods import EXACT
 
 SCHEMA = 1
@@ -29,7 +29,7 @@ def compare(options, output, command):
     transmittance = []
     for medium in media:
         box = twin.medium_bbox(state, medium, GEOMETRY_VARIANT)
-        grids = [voxelize(medium.profile, box, n) for n in options.resolutions]
+        grids = [grids_of(medium, box, n).extinction for n in options.resolutions]
         transmittance.append(bias.transmittance_bias(fan, medium, box, grids))
 
     result = protocol.run(options, is_grey=all(medium.is_grey for medium in media))
@@ -63,7 +63,7 @@ def read_scene(options, variant):
     """The parsed scene and its analytic media, checked for what the comparison needs."""
     state = twin.parse(options.scene, variant, options.parameters)
     twin.integrator_node(state)
-    media = [twin.read_medium(node) for node in twin.analytic_nodes(state)]
+    media = twin.read_media(state)
     if not media:
         raise twin.SceneError(f"scene {options.scene} has no 'analytic' medium to compare")
     return state, media

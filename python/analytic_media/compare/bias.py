@@ -58,28 +58,33 @@ def clip_to_box(fan, bbox):
 
 
 def transmittance_bias(fan, medium, bbox, grids):
-    """Transmittances of the fan at the medium's largest extinction, exact and on each grid."""
+    """Transmittances of the fan in the medium's strongest channel, exact and on each grid.
+
+    `grids` hold the extinction relative to the medium's `sigma_max`.
+    """
     starts, lengths = clip_to_box(fan, bbox)
-    exact = medium.profile.column(starts, fan.directions, lengths)
+    exact = np.exp(-medium.optical_depth(starts, fan.directions, lengths))
     result = {
         "medium": medium.name,
         "elevation_degrees": fan.elevation.tolist(),
-        "exact": np.exp(-medium.sigma_max * exact).tolist(),
+        "exact": exact.tolist(),
         "grids": {},
     }
     middle = (np.arange(STEPS) + 0.5) / STEPS
+    channel = 0 if medium.is_grey else medium.strongest_channel
     for grid in grids:
         columns = [
-            length * np.mean(grid.density(start + (middle * length)[:, None] * direction))
+            length * np.mean(grid.density(start + (middle * length)[:, None] * direction, channel))
             for start, direction, length in zip(starts, fan.directions, lengths, strict=True)
         ]
         transmittance = np.exp(-medium.sigma_max * np.array(columns))
-        relative = transmittance / np.exp(-medium.sigma_max * exact) - 1
+        # A ray through the ground is dark on both sides.
+        relative = np.divide(transmittance, exact, where=exact > 0, out=np.ones_like(exact)) - 1
         result["grids"][grid.resolution] = {
             "transmittance": transmittance.tolist(),
             "relative_bias": relative.tolist(),
             "mean_relative_bias": float(np.mean(relative)),
             "largest_relative_bias": float(relative[np.argmax(np.abs(relative))]),
-            "grid_bytes": int(grid.nbytes) * (1 if medium.is_grey else 3),
+            "grid_bytes": int(grid.nbytes),
         }
     return result

@@ -28,14 +28,13 @@ class Method:
 
 
 OURS = Method("analyticvolpath", EXACT)
-DELTA_TRACKING = Method("volpath", EXACT)
 
 
 def methods_for(variant, resolutions):
     """All methods that `variant` can run; volpathmis refuses polarised light."""
     stock = ["volpath"] if variant.endswith("polarized") else ["volpath", "volpathmis"]
     grids = [Method(name, n) for n in resolutions for name in stock]
-    return [OURS, DELTA_TRACKING, *grids]
+    return [OURS, *(Method(name, EXACT) for name in stock), *grids]
 
 
 def reference_integrator(medium, is_grey, variant):

@@ -237,14 +237,20 @@ class Run:
 
 
 def efficiency_ratios(runs, kind):
-    """Ours over each other method, round by round, and over the best grid method of the round."""
+    """Ours over each other method, round by round; over the best grid method of the round, and
+    over the best stock one that tracks our own medium."""
 
     def per_round(method):
         return np.array([efficiency(r, kind) for r in runs[method].rounds])
 
     ours = per_round(OURS)
-    ratios = {m.key: spread(ours / per_round(m)) for m in runs if m != OURS}
-    grids = [per_round(m) for m in runs if m.uses_grid]
-    if grids:
-        ratios["best_grid"] = spread(ours / np.fmax.reduce(grids))
+    stock = [m for m in runs if m != OURS]
+    ratios = {m.key: spread(ours / per_round(m)) for m in stock}
+    groups = {
+        "best_grid": [m for m in stock if m.uses_grid],
+        "best_tracking": [m for m in stock if not m.uses_grid],
+    }
+    for name, group in groups.items():
+        if group:
+            ratios[name] = spread(ours / np.fmax.reduce([per_round(m) for m in group]))
     return ratios

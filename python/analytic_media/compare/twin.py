@@ -1,62 +1,19 @@
-"""The stock twin of a scene: every `analytic` medium becomes a voxel grid, all else stays.
+"""The stock twin of a scene: each of our media becomes a voxel grid, all else stays.
 
 The scene is edited between parsing and instantiation, as a list of nodes with properties, so
 shapes, emitters, sensors and references come through untouched.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
 
-import analytic_media as am
-
-from ..voxelize import voxelize
+from . import media
+from .media import SceneError
 
 PATH_TRACERS = ("analyticvolpath", "volpath", "volpathmis", "prbvolpath")
 PATH_PARAMETERS = ("max_depth", "rr_depth", "hide_emitters")
-
-# The parameters of `analytic` that say where the matter is; the rest means the same to
-# `heterogeneous`.
-PROFILE_PARAMETERS = {
-    "constant": (),
-    "linear": ("gradient", "density", "base_height", "up"),
-    "exponential": ("scale_height", "base_height", "up"),
-}
-PROFILE_TYPES = {"constant": "Constant", "linear": "Linear", "exponential": "Exponential"}
-COEFFICIENTS = ("sigma_t", "sigma_a", "sigma_s", "albedo", "scale")
-BOUNDS = ("bbox_min", "bbox_max", "max_density")
-OWN_PARAMETERS = {"profile", "has_spectral_extinction", *BOUNDS, *COEFFICIENTS}.union(
-    *PROFILE_PARAMETERS.values()
-)
-
-
-class SceneError(ValueError):
-    """The scene cannot be compared or voxelised; the message says why."""
-
-
-@dataclass
-class AnalyticMedium:
-    """What an `analytic` node says: a profile, its coefficients at density 1, and its box.
-
-    `sigma_t` is a float (grey, 1/length) or an array of three (rgb); `albedo` is None where the
-    node's own property is to be kept as it is. `bbox` is None if the medium fills all of space.
-    """
-
-    name: str
-    profile: object
-    sigma_t: object
-    albedo: object
-    bbox: tuple | None
-
-    @property
-    def is_grey(self):
-        return np.ndim(self.sigma_t) == 0
-
-    @property
-    def sigma_max(self):
-        return float(np.max(self.sigma_t))
 
 
 def parse(path, variant, parameters=None):
@@ -85,7 +42,21 @@ def instantiate(state, variant):
 
 
 def analytic_nodes(state):
-    return [node for node in state.nodes if node.props.plugin_name() == "analytic"]
+    """Numbers of the nodes of our media; those that are nested in an overlap are part of it."""
+    plugins = [node.props.plugin_name() for node in state.nodes]
+    nested = {
+        number
+        for node, plugin in zip(state.nodes, plugins, strict=True)
+        if plugin == "overlap"
+        for number in media.children(state, node, mi.ObjectType.Medium)
+    }
+    ours = [n for n, plugin in enumerate(plugins) if plugin in ("analytic", "overlap")]
+    return [number for number in ours if number not in nested]
+
+
+def read_media(state):
+    """The SceneMedium of each of our media."""
+    return [media.read_medium(state, number) for number in analytic_nodes(state)]
 
 
 def integrator_node(state):
@@ -113,66 +84,6 @@ def set_integrator(state, plugin, **changes):
     node.props = props
 
 
-def read_medium(node):
-    """The AnalyticMedium that an `analytic` node describes."""
-    props = node.props
-    kind = props.get("profile", "constant")
-    if kind not in PROFILE_TYPES:
-        raise SceneError(f"medium '{props.id()}': profile '{kind}' cannot be voxelised")
-    given = {key: props[key] for key in PROFILE_PARAMETERS[kind] if key in props}
-    if "up" in given:
-        given["up"] = tuple(float(c) for c in given["up"])
-    sigma_t, albedo = read_coefficients(props)
-    corners = [key in props for key in ("bbox_min", "bbox_max")]
-    if corners[0] != corners[1]:
-        raise SceneError(f"medium '{props.id()}': bbox_min and bbox_max go together")
-    bbox = None
-    if all(corners):
-        bbox = tuple(tuple(float(c) for c in props[key]) for key in ("bbox_min", "bbox_max"))
-    profile = getattr(am, PROFILE_TYPES[kind])(**given)
-    return AnalyticMedium(props.id(), profile, sigma_t, albedo, bbox)
-
-
-def read_coefficients(props):
-    """(sigma_t, albedo) at density 1, scale included; albedo None: keep the node's property."""
-    scale = props.get("scale", 1.0)
-    if "sigma_s" in props or "sigma_a" in props:
-        sigma_s, sigma_a = (read_colour(props, key, 0.0) for key in ("sigma_s", "sigma_a"))
-        sigma_t = sigma_s + sigma_a
-        albedo = np.divide(sigma_s, sigma_t, where=sigma_t > 0, out=np.zeros_like(sigma_t * 1.0))
-        return simplify(sigma_t * scale), simplify(albedo)
-    return simplify(read_colour(props, "sigma_t", 1.0) * scale), None
-
-
-def read_colour(props, key, default):
-    """A float or rgb property as an array of one or three numbers."""
-    if key not in props:
-        return np.array(default)
-    kind = props.type(key)
-    if kind in (mi.Properties.Type.Float, mi.Properties.Type.Integer):
-        return np.array(float(props[key]))
-    if kind == mi.Properties.Type.Color:
-        if not mi.is_rgb and len(set(props[key])) > 1:
-            raise SceneError(
-                f"medium '{props.id()}': chromatic {key} has a voxel twin in rgb variants only, "
-                f"not in {mi.variant()}"
-            )
-        return np.array([float(c) for c in props[key]])
-    if kind == mi.Properties.Type.Spectrum:
-        text = repr(props[key])
-        if "uniform=" in text:
-            return np.array(float(text.split("uniform=")[1].rstrip("]")))
-    raise SceneError(f"medium '{props.id()}': {key} must be a number or an rgb colour")
-
-
-def simplify(values):
-    """Three equal channels are one grey number."""
-    values = np.asarray(values, dtype=float)
-    if values.ndim == 0 or np.all(values == values[0]):
-        return float(values.flat[0])
-    return values
-
-
 def medium_bbox(state, medium, variant):
     """The medium's own box, or, if it fills all of space, the scene's, 5 % larger, with the
     sensor inside."""
@@ -191,60 +102,91 @@ def medium_bbox(state, medium, variant):
 
 
 def without_media(state):
-    """A copy in which every analytic medium is an empty box-less stock one."""
+    """A copy in which each of our media is an empty box-less stock one."""
     copy = mi.parser.ParserState(state)
-    for node in analytic_nodes(copy):
+    for number in analytic_nodes(copy):
         props = mi.Properties("homogeneous")
-        props.set_id(node.props.id())
-        node.props = props
+        props.set_id(copy.nodes[number].props.id())
+        copy.nodes[number].props = props
     return copy
 
 
-def voxelised(state, resolution, variant, folder, media=None):
-    """A copy of the parsed scene with its analytic media as grids of `resolution`³ voxels.
+def voxelised(state, resolution, variant, folder, only=None):
+    """A copy of the parsed scene with our media as grids of `resolution`³ voxels.
 
-    The grids are written to `folder`. `media` limits the change to these identifiers.
-    Returns the new state and a list of (AnalyticMedium, Grid).
+    The grids are written to `folder`. `only` limits the change to these identifiers.
+    Returns the new state and a list of (SceneMedium, Grid of its extinction).
     """
     copy = mi.parser.ParserState(state)
     pairs = []
-    for node in analytic_nodes(copy):
-        if media is not None and node.props.id() not in media:
+    for number in analytic_nodes(copy):
+        medium = media.read_medium(copy, number)
+        if only is not None and medium.name not in only:
             continue
-        medium = read_medium(node)
-        grid = voxelize(medium.profile, medium_bbox(state, medium, variant), resolution)
-        if not medium.is_grey:
-            grid = grid.times(medium.sigma_t / medium.sigma_max)
-        filename = Path(folder) / f"{medium.name or 'medium'}_{resolution}.vol"
-        grid.write(filename)
-        replace_node(copy, node, medium, grid, filename)
-        pairs.append((medium, grid))
+        grids = media.grids(medium, medium_bbox(state, medium, variant), resolution)
+        replace_node(copy, number, medium, grids, Path(folder), resolution)
+        pairs.append((medium, grids.extinction))
     if not pairs:
-        wanted = f"with id in {sorted(media)} " if media else ""
+        wanted = f"with id in {sorted(only)} " if only else ""
         raise SceneError(f"the scene has no 'analytic' medium {wanted}to voxelise")
     return copy, pairs
 
 
-def replace_node(state, node, medium, grid, filename):
-    """Turn an `analytic` node into `heterogeneous` on top of `gridvolume`."""
-    old = node.props
-    props = mi.Properties("heterogeneous")
+def replace_node(state, number, medium, grids, folder, resolution):
+    """Turn a node of ours into `heterogeneous` on top of `gridvolume`."""
+    name = medium.name or "medium"
+
+    def volume(grid, quantity):
+        path = folder / f"{name}_{quantity}_{resolution}.vol"
+        grid.write(path)
+        props = mi.Properties("gridvolume")
+        props["filename"] = str(path.resolve())
+        props["use_grid_bbox"] = True
+        return append(state, mi.ObjectType.Volume, props)
+
+    old, props = state.nodes[number].props, mi.Properties("heterogeneous")
     props.set_id(old.id())
-    for key in old.keys():  # noqa: SIM118 (Properties is not a mapping)
-        if key not in OWN_PARAMETERS or (key == "albedo" and medium.albedo is None):
-            props[key] = old[key]
-    if medium.albedo is not None:
-        grey = np.ndim(medium.albedo) == 0
-        props["albedo"] = medium.albedo if grey else mi.ScalarColor3f(medium.albedo)
+    if medium.is_overlap:
+        props["phase"] = blended(state, grids, volume)
+        props["albedo"] = volume(grids.albedo, "albedo")
+        props["sample_emitters"] = old.get("sample_emitters", True)
+    else:
+        albedo = medium.components[0].albedo
+        own = media.own_parameters() - ({"albedo"} if albedo is None else set())
+        for key in old.keys():  # noqa: SIM118 (Properties is not a mapping)
+            if key not in own:
+                props[key] = old[key]
+        if albedo is not None:
+            props["albedo"] = albedo if np.ndim(albedo) == 0 else mi.ScalarColor3f(albedo)
     props["scale"] = medium.sigma_max
     # Stock integrators skip their spectral bookkeeping where all channels agree.
     props["has_spectral_extinction"] = not medium.is_grey
+    props["sigma_t"] = volume(grids.extinction, "sigma_t")
+    state.nodes[number].props = props
 
-    volume = mi.parser.SceneNode()
-    volume.type = mi.ObjectType.Volume
-    volume.props = mi.Properties("gridvolume")
-    volume.props["filename"] = str(Path(filename).resolve())
-    volume.props["use_grid_bbox"] = True
-    props["sigma_t"] = mi.Properties.ResolvedReference(len(state.nodes))
-    node.props = props  # before append, which may move the list
-    state.nodes.append(volume)
+
+def blended(state, grids, volume):
+    """The phase functions of an overlap, mixed by `blendphase` as the scattering is."""
+    *first, last = grids.phases
+    result = phase(state, last)
+    for number in reversed(range(len(first))):
+        props = mi.Properties("blendphase")
+        props["first"] = phase(state, first[number])
+        props["second"] = result
+        props["weight"] = volume(grids.blends[number], f"phase{number}")
+        result = append(state, mi.ObjectType.PhaseFunction, props)
+    return result
+
+
+def phase(state, number):
+    if number is None:
+        return append(state, mi.ObjectType.PhaseFunction, mi.Properties("isotropic"))
+    return mi.Properties.ResolvedReference(number)
+
+
+def append(state, kind, props):
+    """Adds a node; the reference to it."""
+    node = mi.parser.SceneNode()
+    node.type, node.props = kind, props
+    state.nodes.append(node)
+    return mi.Properties.ResolvedReference(len(state.nodes) - 1)

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..voxelize import voxelize
-from . import twin
+from . import media, twin
 
 VARIANT = "scalar_rgb"  # the scene is only parsed, any rgb variant serves
 
@@ -37,32 +36,34 @@ def write_twin(scene, resolution, folder, medium=None, parameters=None):
     scene, folder = Path(scene), Path(folder)
     state = twin.parse(scene, VARIANT, parameters)
     root = read_xml(scene)
-    nodes = twin.analytic_nodes(state)
-    elements = [e for e in root.iter("medium") if e.get("type") == "analytic"]
-    if len(nodes) != len(elements):
+    numbers = twin.analytic_nodes(state)
+    elements = own_media(root)
+    if len(numbers) != len(elements):
         raise twin.SceneError(f"{scene}: media in included files cannot be voxelised")
-    chosen = [
-        (twin.read_medium(node), element)
-        for node, element in zip(nodes, elements, strict=True)
-        if medium in (None, node.props.id())
-    ]
+    found = [(media.read_medium(state, n), e) for n, e in zip(numbers, elements, strict=True)]
+    chosen = [(m, element) for m, element in found if medium in (None, m.name)]
     if not chosen:
-        found = [node.props.id() for node in nodes]
-        raise twin.SceneError(f"{scene}: no 'analytic' medium with id '{medium}', found {found}")
+        names = [m.name for m, _ in found]
+        raise twin.SceneError(f"{scene}: no 'analytic' medium with id '{medium}', found {names}")
     boxes = [twin.medium_bbox(state, m, VARIANT) for m, _ in chosen]
-    grids = [
-        voxelize(m.profile, box, resolution) for (m, _), box in zip(chosen, boxes, strict=True)
-    ]
+    grids = [media.grids(m, box, resolution) for (m, _), box in zip(chosen, boxes, strict=True)]
 
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for number, ((m, element), grid) in enumerate(zip(chosen, grids, strict=True)):
-        if not m.is_grey:
-            grid = grid.times(m.sigma_t / m.sigma_max)
-        path = folder / f"{m.name or f'medium{number}'}_{resolution}.vol"
-        grid.write(path)
-        replace_element(element, m, path.name)
-        written.append(Written(m.name, path, grid.nbytes, grid.bbox))
+    for number, ((m, element), own) in enumerate(zip(chosen, grids, strict=True)):
+        stem = m.name or f"medium{number}"
+
+        def volume(grid, quantity, name, stem=stem, m=m):
+            label = f"{stem}_{quantity}" if m.is_overlap else stem
+            path = folder / f"{label}_{resolution}.vol"
+            grid.write(path)
+            written.append(Written(m.name, path, grid.nbytes, grid.bbox))
+            return volume_element(name, path.name)
+
+        if m.is_overlap:
+            replace_overlap(element, m, own, volume)
+        else:
+            replace_element(element, m, volume(own.extinction, "sigma_t", "sigma_t"))
     edit_scene(root, scene, folder, parameters or {})
     target = folder / f"{scene.stem}_{resolution}.xml"
     ElementTree.indent(root, "    ")
@@ -75,27 +76,65 @@ def read_xml(scene):
     return ElementTree.parse(scene, parser).getroot()
 
 
-def replace_element(element, medium, filename):
-    """Turn an `analytic` element into `heterogeneous` on top of `gridvolume`."""
-    keep_albedo = medium.albedo is None
-    for child in list(element):
-        name = child.get("name")
-        own = name in twin.OWN_PARAMETERS and not (name == "albedo" and keep_albedo)
-        if own or child.tag is ElementTree.Comment:
-            element.remove(child)
-    element.set("type", "heterogeneous")
-    volume = ElementTree.Element("volume", type="gridvolume", name="sigma_t")
+def own_media(root):
+    """The elements of our media; those that are nested in an overlap are part of it."""
+    ours = [e for e in root.iter("medium") if e.get("type") in ("analytic", "overlap")]
+    nested = [c for e in ours if e.get("type") == "overlap" for c in e.iter("medium") if c is not e]
+    return [e for e in ours if not any(e is child for child in nested)]
+
+
+def volume_element(name, filename):
+    volume = ElementTree.Element("volume", type="gridvolume", name=name)
     volume.append(parameter("string", "filename", filename))
     volume.append(parameter("boolean", "use_grid_bbox", "true"))
-    added = [
-        volume,
+    return volume
+
+
+def replace_element(element, medium, volume):
+    """Turn an `analytic` element into `heterogeneous` on top of `gridvolume`."""
+    [component] = medium.components
+    own = media.own_parameters() - ({"albedo"} if component.albedo is None else set())
+    for child in list(element):
+        if child.get("name") in own or child.tag is ElementTree.Comment:
+            element.remove(child)
+    added = [volume]
+    if component.albedo is not None:
+        kind = "float" if np.ndim(component.albedo) == 0 else "rgb"
+        text = ", ".join(repr(float(v)) for v in np.atleast_1d(component.albedo))
+        added.append(parameter(kind, "albedo", text))
+    insert(element, medium, added)
+
+
+def replace_overlap(element, medium, grids, volume):
+    """Turn an `overlap` element into `heterogeneous`, its phase functions into a `blendphase`."""
+    phases = [child.find("phase") for child in element.iter("medium") if child is not element]
+    scattering = [p for p, c in zip(phases, medium.components, strict=True) if np.any(c.albedo)]
+    *first, result = [named(phase) for phase in scattering]
+    for number in reversed(range(len(first))):
+        blend = ElementTree.Element("phase", type="blendphase")
+        blend.append(volume(grids.blends[number], f"phase{number}", "weight"))
+        blend.extend([first[number], result])
+        result = blend
+    for child in list(element):
+        if child.get("name") != "sample_emitters":
+            element.remove(child)
+    extinction = volume(grids.extinction, "sigma_t", "sigma_t")
+    insert(element, medium, [extinction, volume(grids.albedo, "albedo", "albedo"), result])
+
+
+def named(phase):
+    """A phase function without a name of its own: the default if there is none."""
+    phase = ElementTree.Element("phase", type="isotropic") if phase is None else phase
+    phase.attrib.pop("name", None)
+    return phase
+
+
+def insert(element, medium, added):
+    element.set("type", "heterogeneous")
+    added += [
         parameter("float", "scale", repr(medium.sigma_max)),
         parameter("boolean", "has_spectral_extinction", str(not medium.is_grey).lower()),
     ]
-    if not keep_albedo:
-        kind = "float" if np.ndim(medium.albedo) == 0 else "rgb"
-        text = ", ".join(repr(float(v)) for v in np.atleast_1d(medium.albedo))
-        added.append(parameter(kind, "albedo", text))
     for position, child in enumerate(added):
         element.insert(position, child)
 
