@@ -77,24 +77,25 @@ impl<R: Real> Exponential<R> {
     fn at(&self, altitude: R) -> R {
         (-climb(self.falloff, altitude)).exp()
     }
+}
 
-    /// Infimum and supremum of the density between two altitudes.
-    fn between(&self, (low, high): (R, R)) -> (R, R) {
-        // The product h/H and its exponential are rounded too.
-        let widen = |altitude: R| {
-            let exponent = climb(self.falloff, altitude).abs();
-            let one = altitude.lit(1.0);
-            let error = (exponent + one) * altitude.unit_roundoff() * altitude.lit(4.0);
-            R::select(exponent.is_bounded(), error, altitude.lit(0.0))
-        };
-        let one = low.lit(1.0);
-        // The density may be infinite where the factor is 0.
-        let factor = (one - widen(high)).max(one.lit(0.0));
-        let some = one.lit(0.0).lt(factor);
-        let inf = R::select(some, self.at(high), factor) * factor;
-        let sup = self.at(low) * (one + widen(low));
-        (inf, sup)
-    }
+/// Infimum and supremum of exp(−`falloff` h) between two altitudes.
+pub(super) fn between<R: Real>(falloff: R, (low, high): (R, R)) -> (R, R) {
+    let at = |altitude: R| (-climb(falloff, altitude)).exp();
+    // The product h/H and its exponential are rounded too.
+    let widen = |altitude: R| {
+        let exponent = climb(falloff, altitude).abs();
+        let one = altitude.lit(1.0);
+        let error = (exponent + one) * altitude.unit_roundoff() * altitude.lit(4.0);
+        R::select(exponent.is_bounded(), error, altitude.lit(0.0))
+    };
+    let one = low.lit(1.0);
+    // The density may be infinite where the factor is 0.
+    let factor = (one - widen(high)).max(one.lit(0.0));
+    let some = one.lit(0.0).lt(factor);
+    let inf = R::select(some, at(high), factor) * factor;
+    let sup = at(low) * (one + widen(low));
+    (inf, sup)
 }
 
 impl<R: Real> Profile<R> for Exponential<R> {
@@ -160,11 +161,11 @@ impl<R: Real> Profile<R> for Exponential<R> {
     }
 
     fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R) {
-        self.between(self.plane.range(ray, t))
+        between(self.falloff, self.plane.range(ray, t))
     }
 
     fn bounds_in_box(&self, lo: Vector<R>, hi: Vector<R>) -> (R, R) {
-        self.between(self.plane.range_in_box(lo, hi))
+        between(self.falloff, self.plane.range_in_box(lo, hi))
     }
 
     fn detach(&self) -> Self {

@@ -8,6 +8,7 @@
 pub mod constant;
 pub mod exponential;
 pub mod linear;
+pub mod spherical;
 
 use crate::error::Error;
 use crate::geometry::{Ray, Vector};
@@ -55,6 +56,12 @@ impl Parameter {
         name: "up",
         size: 3,
         default: Some(&[0.0, 0.0, 1.0]),
+    };
+
+    const CENTER: Self = Self {
+        name: "center",
+        size: 3,
+        default: None,
     };
 
     const BASE_HEIGHT: Self = Self {
@@ -149,6 +156,8 @@ profiles! {
     Linear<R> = 1, "linear", in linear;
     /// ρ exponential in altitude.
     Exponential<R> = 2, "exponential", in exponential;
+    /// ρ exponential in altitude above a sphere.
+    Spherical<R> = 3, "spherical", in spherical;
 }
 
 impl Kind {

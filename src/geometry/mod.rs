@@ -1,4 +1,6 @@
-//! Rays, and altitudes above a plane.
+//! Rays, and altitudes above a plane; those above a sphere are in [`planet`].
+
+pub mod planet;
 
 use crate::real::Real;
 use glam::{DVec3, Vec3};
@@ -9,6 +11,20 @@ pub type Vector<R> = [R; 3];
 /// Scalar product.
 pub fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// Length of a vector, without overflow on the way; its derivative at zero is zero.
+pub fn norm<R: Real, const N: usize>(vector: [R; N]) -> R {
+    let zero = vector[0].lit(0.0);
+    let least = zero.lit(if zero.digits() <= 24 { 1e-37 } else { 1e-300 });
+    let largest = vector.iter().fold(least, |m, x| m.max(x.abs()));
+    let scale = zero.lit(1.0) / largest;
+    let sum = vector
+        .iter()
+        .map(|x| *x * scale)
+        .fold(zero, |sum, x| x.mul_add(x, sum));
+    let length = largest * sum.max(zero.lit(1.0)).sqrt();
+    R::select(least.lt(largest), length, zero)
 }
 
 /// A ray `origin + t direction`; `direction` is a unit vector.

@@ -1,0 +1,196 @@
+//! Altitudes above a sphere, and rays past it, where single precision has to tell metres apart
+//! at the scale of a planet.
+//!
+//! With d = x − c, R the radius of the sphere and m the largest |dᵢ|, the altitude |d| − R is
+//!
+//!     h = ((m − R)(m + R) + Σ' dᵢ²)/(|d| + R)                             (1)
+//!
+//! where Σ' is over the two smaller components, and dᵢ counts with the part that the
+//! subtraction x − c rounds away. With the origin of coordinates on the surface and an axis
+//! through the centre, nothing large is left in (1): the error of h is a few ulps of h and of
+//! the distance from that axis. Elsewhere it is a few ulps of R.
+//!
+//! Along a ray, r is the distance from the centre where the ray starts, x₁ = d · direction,
+//! p = √(r² − x₁²) the distance of closest approach (at t = −x₁, the perigee), and
+//!
+//!     h(t) − h(0) = t (2 x₁ + t)/(r + r(t)),   r(t) = √(p² + (x₁ + t)²)   (2)
+//!     h(0) − h_p  = x₁²/(r + p)                                          (3)
+//!
+//! `tests/geometry.rs` states the errors.
+
+use super::{Ray, Vector, dot, norm};
+use crate::real::Real;
+
+/// The surface that altitudes are counted from.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere<R> {
+    /// Centre of the planet.
+    pub center: Vector<R>,
+    /// R, length > 0.
+    pub radius: R,
+}
+
+/// A ray as the centre of a sphere sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<R> {
+    /// h, altitude of the start.
+    pub altitude: R,
+    /// r, distance of the start from the centre.
+    pub radius: R,
+    /// x₁: how far beyond the perigee the ray starts; negative if the perigee lies ahead.
+    pub along: R,
+    /// p, distance of the ray's line from the centre, at most r.
+    pub perigee: R,
+}
+
+/// The parts of (1).
+struct Offset<R> {
+    /// d, rounded.
+    vector: Vector<R>,
+    /// |d|.
+    radius: R,
+    altitude: R,
+    /// Sum of the absolute values of the terms of (1).
+    size: R,
+}
+
+impl<R: Real> Sphere<R> {
+    /// Altitude of `point`, length; −R in the centre.
+    pub fn altitude(&self, point: Vector<R>) -> R {
+        self.offset(point).altitude
+    }
+
+    fn offset(&self, point: Vector<R>) -> Offset<R> {
+        let parts: [(R, R); 3] = std::array::from_fn(|i| difference(point[i], self.center[i]));
+        let vector = parts.map(|(d, _)| d);
+        let radius = norm(vector);
+        let [a, b, c] = vector.map(Real::abs);
+        let (low, high) = (a.min(b), a.max(b));
+        let (large, middle, small) = (high.max(c), low.max(high.min(c)), low.min(c));
+
+        let sum = radius + self.radius;
+        let terms = [
+            (large - self.radius) * ((large + self.radius) / sum),
+            middle * (middle / sum),
+            small * (small / sum),
+        ];
+        let rest = parts
+            .iter()
+            .fold(sum.lit(0.0), |rest, (d, lost)| rest + (*d / sum) * *lost);
+        let size = terms.iter().fold(rest.abs(), |size, x| size + x.abs());
+        Offset {
+            vector,
+            radius,
+            altitude: terms[0] + ((terms[1] + terms[2]) + (rest + rest)),
+            size,
+        }
+    }
+
+    /// The ray as the centre sees it.
+    pub fn passage(&self, ray: &Ray<R>) -> Passage<R> {
+        let offset = self.offset(ray.origin);
+        let (d, e) = (offset.vector, ray.direction);
+        let cross = std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            d[j] * e[k] - d[k] * e[j]
+        });
+        Passage {
+            altitude: offset.altitude,
+            radius: offset.radius,
+            along: dot(d, e),
+            perigee: norm::<R, 3>(cross).min(offset.radius),
+        }
+    }
+
+    /// Rounding error of the altitude of `point`, from its coordinates and from (1). Bounds
+    /// are widened by it.
+    fn rounding(point: Vector<R>, offset: &Offset<R>) -> R {
+        let sum = point.iter().fold(offset.size, |sum, x| sum + x.abs());
+        sum * sum.unit_roundoff() * sum.lit(8.0)
+    }
+
+    /// Lowest and highest altitude on a segment of length `t`, which may be infinite,
+    /// rounding included.
+    pub fn range(&self, ray: &Ray<R>, t: R) -> (R, R) {
+        let passage = self.passage(ray);
+        let error = Self::rounding(ray.origin, &self.offset(ray.origin));
+        let further = |t: R| t * t.unit_roundoff() * t.lit(16.0) + error;
+
+        let start = passage.altitude;
+        let finite = t.is_bounded();
+        let length = R::select(finite, t, t.lit(0.0));
+        let end = start + passage.rise(length);
+        let end = (end - further(length), end + further(length));
+
+        let before = -passage.along;
+        let turns = t.lit(0.0).lt(before) & before.le(t);
+        let lowest = start - passage.depth() - further(before.abs());
+        let low = R::select(turns, lowest, (start - error).min(end.0));
+        let high = (start + error).max(end.1);
+        let high = R::select(finite, high, t.lit(f64::INFINITY));
+        (low.max(-self.radius), high)
+    }
+
+    /// Lowest and highest altitude in the box between the corners `lo` and `hi`, which may be
+    /// infinite, rounding included.
+    pub fn range_in_box(&self, lo: Vector<R>, hi: Vector<R>) -> (R, R) {
+        let center = self.center;
+        let near = std::array::from_fn(|i| center[i].max(lo[i]).min(hi[i]));
+        let far = std::array::from_fn(|i| {
+            let (below, above) = (center[i] - lo[i], hi[i] - center[i]);
+            R::select(below.lt(above), hi[i], lo[i])
+        });
+        let of = |corner: Vector<R>| {
+            let finite = (corner[0].abs() + corner[1].abs() + corner[2].abs()).is_bounded();
+            let point = std::array::from_fn(|i| R::select(finite, corner[i], center[i]));
+            let offset = self.offset(point);
+            (finite, offset.altitude, Self::rounding(point, &offset))
+        };
+        let (_, low, error) = of(near);
+        let low = (low - error).max(-self.radius);
+        let (finite, high, error) = of(far);
+        let high = R::select(finite, high + error, high.lit(f64::INFINITY));
+        (low, high)
+    }
+
+    /// The same sphere without derivatives.
+    pub fn detach(&self) -> Self {
+        Self {
+            center: self.center.map(Real::detach),
+            radius: self.radius.detach(),
+        }
+    }
+}
+
+impl<R: Real> Passage<R> {
+    /// r(t), distance from the centre at the finite distance `t`.
+    pub fn radius_at(&self, t: R) -> R {
+        norm([self.perigee, self.along + t])
+    }
+
+    /// (2) for t ≥ 0, which may be infinite.
+    pub fn rise(&self, t: R) -> R {
+        let finite = t.is_bounded();
+        let length = R::select(finite, t, t.lit(0.0));
+        let sum = self.radius + self.radius_at(length);
+        let some = t.lit(0.0).lt(sum);
+        let slope = (self.along + self.along + length) / R::select(some, sum, t.lit(1.0));
+        R::select(finite, length * slope, t.lit(f64::INFINITY))
+    }
+
+    /// (3): how far below the start the perigee lies, ahead or behind.
+    pub fn depth(&self) -> R {
+        let sum = self.radius + self.perigee;
+        let some = sum.lit(0.0).lt(sum);
+        let sum = R::select(some, sum, sum.lit(1.0));
+        self.along * (self.along / sum)
+    }
+}
+
+/// a − b, and what its rounding loses: their sum is exact.
+fn difference<R: Real>(a: R, b: R) -> (R, R) {
+    let rounded = a - b;
+    let from_b = rounded - a;
+    let from_a = rounded - from_b;
+    (rounded, (a - from_a) - (b + from_b))
+}
