@@ -9,6 +9,8 @@
 #include <mitsuba/render/texture.h>
 #include <mitsuba/render/volume.h>
 
+#include "traverse.h"
+
 namespace mitsuba {
 
 template <typename Float, typename Spectrum> class Coefficients {
@@ -97,19 +99,7 @@ public:
         return oss.str();
     }
 
-    template <typename Payload, typename Callback>
-    void traverse_1_cb_ro(Payload *payload, Callback fn) const {
-        for (const Volume *volume :
-             { m_sigma_t.get(), m_albedo.get(), m_sigma_a.get(), m_sigma_s.get() })
-            dr::traverse_1_fn_ro(volume, payload, fn);
-        dr::traverse_1_fn_ro(m_scale, payload, fn);
-    }
-    template <typename Payload, typename Callback>
-    void traverse_1_cb_rw(Payload *payload, Callback fn) {
-        for (Volume *volume : { m_sigma_t.get(), m_albedo.get(), m_sigma_a.get(), m_sigma_s.get() })
-            dr::traverse_1_fn_rw(volume, payload, fn);
-        dr::traverse_1_fn_rw(m_scale, payload, fn);
-    }
+    AM_TRAVERSE_MEMBERS(m_sigma_t, m_albedo, m_sigma_a, m_sigma_s, m_scale)
 
 private:
     static bool is_float(const Properties &props, const char *name) {

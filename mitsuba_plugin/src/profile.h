@@ -13,6 +13,7 @@
 #include <mitsuba/core/ray.h>
 
 #include "bridge.h"
+#include "traverse.h"
 
 namespace mitsuba {
 
@@ -27,21 +28,22 @@ public:
         m_name = name;
         m_parameters = describe(m_kind);
         refuse_foreign(props);
-        for (const am_parameter &parameter : m_parameters)
+        for (const Parameter &parameter : m_parameters)
             read(props, parameter);
+        if constexpr (dr::is_jit_v<Float>) {
+            am_profile checked = values();
+            require(am_profile_check(&checked));
+        }
         update();
-        am_profile checked = values();
-        require(am_profile_check(&checked));
     }
 
     /// Exposes every parameter under its own name.
     void traverse(TraversalCallback *cb) {
-        size_t scalar = 0, vector = 0;
-        for (const am_parameter &parameter : m_parameters) {
-            if (parameter.size == 3)
-                cb->put(parameter.name, m_vectors[vector++], ParamFlags::Differentiable);
+        for (const Parameter &p : m_parameters) {
+            if (p.size == 3)
+                cb->put(p.name, m_vectors[p.index], ParamFlags::Differentiable);
             else
-                cb->put(parameter.name, m_scalars[scalar++], ParamFlags::Differentiable);
+                cb->put(p.name, m_scalars[p.index], ParamFlags::Differentiable);
         }
     }
 
@@ -49,7 +51,7 @@ public:
     /// them.
     void update() {
         if constexpr (dr::is_jit_v<Float>) {
-            // One by one: dr::make_opaque() does not look into a std::vector.
+            // One by one: dr::make_opaque() does not look into arrays of C++.
             for (Float &scalar : m_scalars)
                 dr::make_opaque(scalar);
             for (Vector3f &vector : m_vectors)
@@ -94,6 +96,38 @@ public:
         }
     }
 
+    /// Distance, at most `t_max`, at which a sum of profiles has gathered the optical depth `tau`:
+    /// each with its extinction coefficient at density 1. Infinite if it gathers less.
+    static Float free_flight(const std::vector<const Profile *> &profiles,
+                             const std::vector<Float> &sigma_t, const Point3f &o, const Vector3f &d,
+                             const Float &t_max, const Float &tau) {
+        if constexpr (dr::is_jit_v<Float>) {
+            Tape<Float> tape;
+            std::vector<am_profile_nodes> parts;
+            std::vector<am_node> coefficients;
+            for (size_t i = 0; i < profiles.size(); ++i) {
+                parts.push_back(profiles[i]->record_parameters(tape));
+                coefficients.push_back(tape.input(sigma_t[i]));
+            }
+            const am_medium_nodes sum{ parts.data(), coefficients.data(), parts.size(), 1 };
+            am_node origin[3], direction[3], t = 0;
+            slots(tape, o, origin);
+            slots(tape, d, direction);
+            tape.finish(am_medium_free_flight_record(tape.table(), &sum, 0, origin, direction,
+                                                     tape.input(t_max), tape.input(tau), &t));
+            return tape[t];
+        } else {
+            std::vector<am_profile> parts;
+            for (const Profile *profile : profiles)
+                parts.push_back(profile->m_profile);
+            const std::vector<double> coefficients(sigma_t.begin(), sigma_t.end());
+            const am_medium sum{ parts.data(), coefficients.data(), parts.size(), 1 };
+            float t = 0.f;
+            am_medium_free_flight_f32(&sum, 0, o.data(), d.data(), t_max, tau, &t);
+            return t;
+        }
+    }
+
     /// Supremum of the density in a box.
     Float max_in_box(const Point3f &lo, const Point3f &hi) const {
         if constexpr (dr::is_jit_v<Float>) {
@@ -116,7 +150,7 @@ public:
         std::ostringstream oss;
         oss << "  profile = \"" << m_name << "\"," << std::endl;
         const am_profile profile = values();
-        for (const am_parameter &p : m_parameters) {
+        for (const Parameter &p : m_parameters) {
             const double *value = profile.values + p.offset;
             oss << "  " << p.name << " = ";
             if (p.size == 3)
@@ -128,17 +162,7 @@ public:
         return oss.str();
     }
 
-    /// Shows the parameters to Dr.Jit, which keeps track of the variables that objects hold.
-    template <typename Payload, typename Callback>
-    void traverse_1_cb_ro(Payload *payload, Callback fn) const {
-        dr::traverse_1_fn_ro(m_scalars, payload, fn);
-        dr::traverse_1_fn_ro(m_vectors, payload, fn);
-    }
-    template <typename Payload, typename Callback>
-    void traverse_1_cb_rw(Payload *payload, Callback fn) {
-        dr::traverse_1_fn_rw(m_scalars, payload, fn);
-        dr::traverse_1_fn_rw(m_vectors, payload, fn);
-    }
+    AM_TRAVERSE_MEMBERS(m_scalars, m_vectors)
 
 private:
     static void require(am_status status) {
@@ -146,13 +170,20 @@ private:
             Throw("%s", am_last_error());
     }
 
-    static std::vector<am_parameter> describe(uint32_t kind) {
+    /// A parameter, and which of the scalars or of the vectors it is.
+    struct Parameter : am_parameter {
+        uint32_t index;
+    };
+
+    static std::vector<Parameter> describe(uint32_t kind) {
         char name[AM_NAME_SIZE];
-        uint32_t count = 0;
+        uint32_t count = 0, scalars = 0, vectors = 0;
         require(am_profile_describe(kind, &name, &count));
-        std::vector<am_parameter> parameters(count);
-        for (uint32_t i = 0; i < count; ++i)
+        std::vector<Parameter> parameters(count);
+        for (uint32_t i = 0; i < count; ++i) {
             require(am_profile_parameter(kind, i, &parameters[i]));
+            parameters[i].index = parameters[i].size == 3 ? vectors++ : scalars++;
+        }
         return parameters;
     }
 
@@ -161,8 +192,8 @@ private:
         char name[AM_NAME_SIZE];
         uint32_t count = 0;
         for (uint32_t kind = 0; am_profile_describe(kind, &name, &count) == AM_STATUS_OK; ++kind) {
-            for (const am_parameter &foreign : describe(kind)) {
-                auto known = [&](const am_parameter &p) { return !strcmp(p.name, foreign.name); };
+            for (const Parameter &foreign : describe(kind)) {
+                auto known = [&](const Parameter &p) { return !strcmp(p.name, foreign.name); };
                 if (props.has_property(foreign.name) &&
                     std::none_of(m_parameters.begin(), m_parameters.end(), known))
                     Throw("profile \"%s\" has no parameter \"%s\"; it has %s", m_name, foreign.name,
@@ -173,47 +204,42 @@ private:
 
     std::string parameter_names() const {
         std::string names;
-        for (const am_parameter &parameter : m_parameters)
+        for (const Parameter &parameter : m_parameters)
             names += (names.empty() ? "" : ", ") + std::string(parameter.name);
         return names.empty() ? "none" : names;
     }
 
-    void read(const Properties &props, const am_parameter &p) {
+    void read(const Properties &props, const Parameter &p) {
         if (p.required && !props.has_property(p.name))
             Throw("profile \"%s\" needs the parameter \"%s\"", m_name, p.name);
-        if (p.size == 3) {
-            ScalarVector3f value(p.defaults[0], p.defaults[1], p.defaults[2]);
-            m_vectors.push_back(props.get<ScalarVector3f>(p.name, value));
-        } else {
-            m_scalars.push_back(props.get<ScalarFloat>(p.name, (ScalarFloat) p.defaults[0]));
-        }
+        if (p.size == 3)
+            m_vectors[p.index] = props.get<ScalarVector3f>(
+                p.name, ScalarVector3f(p.defaults[0], p.defaults[1], p.defaults[2]));
+        else
+            m_scalars[p.index] = props.get<ScalarFloat>(p.name, (ScalarFloat) p.defaults[0]);
+    }
+
+    /// The value of a parameter, or a component of it.
+    const Float &value(const Parameter &p, uint32_t i) const {
+        return p.size == 3 ? m_vectors[p.index][i] : m_scalars[p.index];
     }
 
     /// The parameters as plain data. Reads JIT variables back: not for use while recording.
     am_profile values() const {
         am_profile profile{};
         profile.kind = m_kind;
-        size_t scalar = 0, vector = 0;
-        for (const am_parameter &p : m_parameters) {
-            for (uint32_t i = 0; i < p.size; ++i) {
-                const Float &value = p.size == 3 ? m_vectors[vector][i] : m_scalars[scalar];
-                profile.values[p.offset + i] = dr::slice(dr::detach(value));
-            }
-            ++(p.size == 3 ? vector : scalar);
-        }
+        for (const Parameter &p : m_parameters)
+            for (uint32_t i = 0; i < p.size; ++i)
+                profile.values[p.offset + i] = dr::slice(dr::detach(value(p, i)));
         return profile;
     }
 
     am_profile_nodes record_parameters(Tape<Float> &tape) const {
         am_profile_nodes profile{};
         profile.kind = m_kind;
-        size_t scalar = 0, vector = 0;
-        for (const am_parameter &p : m_parameters) {
+        for (const Parameter &p : m_parameters)
             for (uint32_t i = 0; i < p.size; ++i)
-                profile.values[p.offset + i] =
-                    tape.input(p.size == 3 ? m_vectors[vector][i] : m_scalars[scalar]);
-            ++(p.size == 3 ? vector : scalar);
-        }
+                profile.values[p.offset + i] = tape.input(value(p, i));
         return profile;
     }
 
@@ -247,9 +273,9 @@ private:
 
     std::string m_name;
     uint32_t m_kind = 0;
-    std::vector<am_parameter> m_parameters;
-    std::vector<Float> m_scalars;
-    std::vector<Vector3f> m_vectors;
+    std::vector<Parameter> m_parameters;
+    Float m_scalars[AM_PROFILE_VALUES];
+    Vector3f m_vectors[AM_PROFILE_VALUES / 3];
     am_profile m_profile{};
 };
 

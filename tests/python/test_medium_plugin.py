@@ -12,6 +12,7 @@ EXPONENTIAL = {"type": "analytic", "profile": "exponential", "scale_height": 2.0
 LINEAR = {"type": "analytic", "profile": "linear", "gradient": -0.5, "density": 1.0}
 CONSTANT = {"type": "analytic"}
 BOX = {"bbox_min": [0, 0, 0], "bbox_max": [1, 1, 1]}
+SPHERE = {"bsphere_center": [0, 0, 0], "bsphere_radius": 2.0}
 
 
 def grid(values=(0.2, 0.8)):
@@ -49,6 +50,35 @@ def test_a_box_is_exposed_and_can_be_moved(variant):
     params["bbox_max"] = [1, 1, 4]
     params.update()
     assert "bbox_max = [1, 1, 4]," in str(medium)
+
+
+@scalar_and_llvm
+def test_a_sphere_is_exposed_and_can_be_moved(variant):
+    medium = mi.load_dict(EXPONENTIAL | SPHERE)
+    params = mi.traverse(medium)
+    ray = mi.Ray3f([0, 0, 0], [0, 0, 1])
+    assert medium.intersect_aabb(ray)[2] == 2
+    params["bsphere_center"] = [0, 0, 1]
+    params["bsphere_radius"] = 4.0
+    params.update()
+    assert medium.intersect_aabb(ray)[2] == 5
+    assert "bsphere_center = [0, 0, 1]," in str(medium)
+    assert "bsphere_radius = 4," in str(medium)
+
+
+@scalar_and_llvm
+def test_max_density_limits_the_bound_of_a_box(variant):
+    """A density of e in the corner of the box; `max_density` matters only below it."""
+    box = {"bbox_min": [0, 0, -2], "bbox_max": [1, 1, 1]}
+    at = mi.MediumInteraction3f()
+
+    def bound(**options):
+        return np.array(mi.load_dict(EXPONENTIAL | box | options).get_majorant(at)).flat[0]
+
+    assert bound() == pytest.approx(np.e, rel=1e-6)
+    assert bound(max_density=5.0) == pytest.approx(np.e, rel=1e-6)
+    assert bound(max_density=0.5) == 0.5
+    assert "max_density" in mi.traverse(mi.load_dict(EXPONENTIAL | box | {"max_density": 5.0}))
 
 
 @scalar_rgb
@@ -190,7 +220,27 @@ REFUSED = {
         CONSTANT | {"max_density": 0.0},
         r"max_density must be finite and > 0, got 0",
     ),
-    "max_density beside a box": (CONSTANT | BOX | {"max_density": 2.0}, r"max_density .*bbox_min"),
+    "sphere without radius": (
+        CONSTANT | {"bsphere_center": [0, 0, 0]},
+        r'"bsphere_radius" is missing',
+    ),
+    "sphere without centre": (CONSTANT | {"bsphere_radius": 1.0}, r'"bsphere_center" is missing'),
+    "sphere of radius 0": (
+        CONSTANT | SPHERE | {"bsphere_radius": 0.0},
+        r"bsphere_radius must be finite and > 0, got 0",
+    ),
+    "sphere NaN": (
+        CONSTANT | SPHERE | {"bsphere_center": [0, NAN, 0]},
+        r"bsphere_center must be finite, got ",
+    ),
+    "box and sphere": (
+        CONSTANT | BOX | SPHERE,
+        r"bbox_min and bsphere_radius exclude each other",
+    ),
+    "box without a bound": (
+        EXPONENTIAL | {"bbox_min": [0, 0, -9999], "bbox_max": [1, 1, 1]},
+        r"density has no bound in the box: max_density is needed",
+    ),
     "unknown profile": (
         CONSTANT | {"profile": "cubic"},
         r"profile.*cubic.*constant.*linear.*exponential|profile.*constant.*exponential.*cubic",

@@ -11,6 +11,7 @@ from analytic_media import _build, _plugins
 BOX = {"bbox_min": [0, 0, 0], "bbox_max": [1, 1, 1]}
 PLUGINS = {
     "AnalyticMedium": {"type": "analytic"},
+    "OverlapMedium": {"type": "overlap", "fog": {"type": "analytic"}},
     "AnalyticVolume": {"type": "analyticvolume", **BOX},
     "AnalyticVolpathIntegrator": {"type": "analyticvolpath"},
 }

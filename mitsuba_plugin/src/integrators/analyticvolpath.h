@@ -8,6 +8,7 @@
 #include <mitsuba/render/phase.h>
 #include <mitsuba/render/records.h>
 
+#include "channels.h"
 #include "integrators/survey.h"
 
 namespace mitsuba {
@@ -39,7 +40,8 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
    - Light samples per vertex, stratified over the light sources. (Default: 0, which stands for 2
      where there are several light sources, such as sun and sky, and for 1 otherwise)
 
-A volumetric path tracer for :ref:`analytic <medium-analytic>` media. Free flights are drawn by
+A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their sums,
+:ref:`overlap <medium-overlap>`. Free flights are drawn by
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
 wavelength, every flight is drawn from the channel chosen in proportion to the throughput, and
@@ -69,8 +71,7 @@ public:
     MI_IMPORT_BASE(MonteCarloIntegrator, m_max_depth, m_rr_depth, m_hide_emitters)
     MI_IMPORT_TYPES(Scene, Sensor, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Medium, MediumPtr,
                     PhaseFunction, PhaseFunctionPtr, PhaseFunctionContext)
-    using Analytic = AnalyticMedium<Float, Spectrum>;
-    using AnalyticPtr = dr::replace_scalar_t<Float, const Analytic *>;
+    using AnalyticPtr = dr::replace_scalar_t<Float, const FormulaMedium<Float, Spectrum> *>;
 
     AnalyticVolpathIntegrator(const Properties &props) : Base(props) {
         int64_t samples = props.get<int64_t>("emitter_samples", 0);
@@ -185,26 +186,6 @@ private:
             return active && medium != nullptr;
     }
 
-    /// The channel that stock media draw a distance from, and its throughput-weighted choice.
-    static std::pair<UInt32, UnpolarizedSpectrum> choose_channel(const Spectrum &throughput,
-                                                                 const Float &u) {
-        UnpolarizedSpectrum weight = 0.f;
-        if constexpr (is_rgb_v<Spectrum>) {
-            weight = dr::maximum(unpolarized_spectrum(throughput), 0.f);
-            Float sum = dr::sum(weight);
-            weight = dr::select(sum > 0.f, weight / sum, 1.f / dr::size_v<UnpolarizedSpectrum>);
-            UInt32 channel = 0;
-            Float cdf = 0.f;
-            for (size_t i = 0; i + 1 < dr::size_v<UnpolarizedSpectrum>; ++i) {
-                cdf += weight[i];
-                dr::masked(channel, u >= cdf) = (uint32_t) i + 1;
-            }
-            return { channel, weight };
-        }
-        weight[0] = 1.f; // stock media know the first wavelength only
-        return { 0, weight };
-    }
-
     /// Traces the ray of `path` to its next vertex, and weighs the throughput accordingly.
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
@@ -227,8 +208,13 @@ private:
             dr::masked(t, in_ours) =
                 analytic->sample_flight(path.ray, throughput, u_channel, u, in_ours);
         if (found.foreign && dr::any_or<true>(in_foreign)) {
-            UInt32 channel;
-            std::tie(channel, chance) = choose_channel(path.throughput, u_channel);
+            UInt32 channel = 0;
+            if constexpr (is_rgb_v<Spectrum>) {
+                chance = channel_chances(throughput);
+                channel = choose_channel(chance, u_channel);
+            } else {
+                chance[0] = 1.f; // stock media know the first wavelength only
+            }
             v.mi = path.medium->sample_interaction(path.ray, u, channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
         }
@@ -264,11 +250,10 @@ private:
         Float length = dr::maximum(end - v.mi.mint, 0.f);
         // Relative to the thinnest channel that counts. The length is infinite where a ray leaves a
         // medium that has a box but no boundary.
-        UnpolarizedSpectrum excess =
-            majorant - dr::min(dr::select(chance > 0.f, majorant, dr::Infinity<Float>));
+        UnpolarizedSpectrum excess = majorant - thinnest(chance, majorant);
         UnpolarizedSpectrum relative = dr::select(excess != 0.f, dr::exp(-length * excess), 1.f);
-        Float pdf = dr::sum(chance * relative * dr::select(collided, majorant, 1.f));
-        UnpolarizedSpectrum weight = dr::select(pdf > 0.f, relative / pdf, 0.f);
+        UnpolarizedSpectrum weight =
+            balance(relative, chance, relative * dr::select(collided, majorant, 1.f));
 
         Float real = dr::mean(dr::select(majorant > 0.f, v.mi.sigma_t / majorant, 0.f));
         Mask scatters = collided && path.sampler->next_1d(active) < real,
@@ -329,13 +314,18 @@ private:
         AnalyticPtr analytic = as_analytic(found, s.medium);
         Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
 
-        Mask collided = false;
-        if (found.foreign && dr::any_or<true>(in_foreign)) {
-            auto mi =
-                s.medium->sample_interaction(s.ray, s.sampler->next_1d(in_foreign), 0, in_foreign);
+        bool tracks = found.foreign && dr::any_or<true>(in_foreign);
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        if (tracks) {
+            mi = s.medium->sample_interaction(s.ray, s.sampler->next_1d(in_foreign), 0, in_foreign);
             dr::masked(s.ray.maxt, in_foreign) = dr::minimum(s.rest, mi.t);
-            SurfaceInteraction3f si = scene->ray_intersect(s.ray, in_foreign);
-            collided = in_foreign && !si.is_valid() && mi.t < s.rest;
+        }
+        SurfaceInteraction3f si = scene->ray_intersect(s.ray, s.active);
+        Mask surface = s.active && si.is_valid(),
+             collided = in_foreign && !surface && mi.t < s.rest,
+             arrives = s.active && !surface && !collided;
+
+        if (tracks) {
             Float length = dr::maximum(dr::minimum(s.ray.maxt, si.t) - mi.mint, 0.f);
             // Drawn from the first channel: the others are weighted.
             UnpolarizedSpectrum weight =
@@ -343,9 +333,6 @@ private:
             dr::masked(weight, collided) *= mi.sigma_n / mi.combined_extinction[0];
             dr::masked(s.result, in_foreign) *= weight;
         }
-
-        SurfaceInteraction3f si = scene->ray_intersect(s.ray, s.active);
-        Mask surface = s.active && si.is_valid(), arrives = s.active && !surface && !collided;
         if (found.analytic && dr::any_or<true>(in_ours)) {
             Float end = dr::select(surface, si.t, s.rest + beyond);
             dr::masked(s.result, in_ours) *= analytic->transmittance(s.ray, end, in_ours);

@@ -8,7 +8,7 @@
 #include <mitsuba/render/sensor.h>
 #include <mitsuba/render/shape.h>
 
-#include "media/analytic.h"
+#include "media/formula.h"
 
 namespace mitsuba {
 
@@ -36,7 +36,7 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
     auto look_at = [&](const Medium *medium) {
         if (!medium)
             return;
-        if (dynamic_cast<const AnalyticMedium<Float, Spectrum> *>(medium)) {
+        if (dynamic_cast<const FormulaMedium<Float, Spectrum> *>(medium)) {
             found.analytic = true;
             found.chromatic |= medium->has_spectral_extinction();
         } else {

@@ -70,7 +70,7 @@ public:
     AnalyticVolume(const Properties &props) : Base(props), m_profile(props), m_extent(props) {
         if (props.has_property("to_world"))
             Throw("to_world is not supported: move the profile by its own parameters");
-        if (!m_extent.bounded())
+        if (!m_extent.boxed())
             Throw("\"bbox_min\" is missing: a volume needs bbox_min and bbox_max");
         m_scale = props.get<ScalarFloat>("scale", 1.f);
         if (!(dr::slice(m_scale) >= 0.f) || !dr::isfinite(dr::slice(m_scale)))
