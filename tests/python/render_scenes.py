@@ -40,6 +40,7 @@ def grey(reflectance):
     }
 
 
+GOLD = {"type": "conductor", "material": "Au"}
 GREY = {"type": "diffuse", "reflectance": {"type": "uniform", "value": 0.5}}
 
 

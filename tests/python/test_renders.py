@@ -15,8 +15,6 @@ from zscores import assert_agree, render_passes
 
 SPP = 8
 
-GOLD = {"type": "conductor", "material": "Au"}
-
 OURS = {"type": "analyticvolpath"}
 VOLPATH = {"type": "volpath"}
 # Too dark whenever Russian roulette is active, so it gets none.
@@ -113,7 +111,7 @@ def test_polarised_variants_agree_with_stock(variant):
     """
     sides = []
     for fog in (scenes.homogeneous_fog(), scenes.constant_fog()):
-        scene = scenes.ball(fog) | {"stone": scenes.sphere([0.2, 0, -0.1], 0.5, bsdf=GOLD)}
+        scene = scenes.ball(fog) | {"stone": scenes.sphere([0.2, 0, -0.1], 0.5, bsdf=scenes.GOLD)}
         del scene["glow"]
         sides.append(scene)
     assert_agree(render(sides[0], VOLPATH, 0, spp=4), render(sides[1], OURS, 1, spp=4))
