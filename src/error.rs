@@ -44,6 +44,15 @@ pub(crate) fn finite(argument: &'static str, value: f64) -> Result<f64, Error> {
     }
 }
 
+/// `vector`, if its components are finite.
+pub(crate) fn finite_vector(argument: &'static str, vector: [f64; 3]) -> Result<[f64; 3], Error> {
+    if vector.iter().all(|x| x.is_finite()) {
+        Ok(vector)
+    } else {
+        Err(Error::new(argument, "must be finite", vector))
+    }
+}
+
 /// `value`, if it is finite and greater than zero.
 pub(crate) fn positive(argument: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() && value > 0.0 {

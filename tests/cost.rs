@@ -56,6 +56,7 @@ fn values(kind: Kind) -> Vec<f64> {
         Kind::Constant => return vec![],
         Kind::Linear => &[-0.5, 1.0],
         Kind::Exponential => &[2.0],
+        _ => unimplemented!("costs of {kind:?}"),
     };
     [&[0.0, 0.0, 1.0, 0.0], own].concat()
 }

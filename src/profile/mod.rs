@@ -5,9 +5,12 @@
 //! Spectra never enter a profile. The list of profiles stands here, once: to add one, write
 //! its file, and add a line to `profiles!` below.
 
+pub mod anisotropic_gaussian;
 pub mod constant;
 pub mod exponential;
+pub mod gaussian;
 pub mod linear;
+pub mod radial_gaussian;
 pub mod spherical;
 
 use crate::error::Error;
@@ -69,6 +72,14 @@ impl Parameter {
         size: 1,
         default: Some(&[0.0]),
     };
+
+    const fn axis(name: &'static str) -> Self {
+        Self {
+            name,
+            size: 3,
+            default: None,
+        }
+    }
 
     const fn required(name: &'static str) -> Self {
         Self {
@@ -158,6 +169,12 @@ profiles! {
     Exponential<R> = 2, "exponential", in exponential;
     /// ρ exponential in altitude above a sphere.
     Spherical<R> = 3, "spherical", in spherical;
+    /// ρ Gaussian in the distance from a point.
+    Gaussian<R> = 5, "gaussian", in gaussian;
+    /// ρ Gaussian along three axes.
+    AnisotropicGaussian<R> = 6, "anisotropic_gaussian", in anisotropic_gaussian;
+    /// ρ Gaussian in the distance from the centre of a sphere.
+    RadialGaussian<R> = 7, "radial_gaussian", in radial_gaussian;
 }
 
 impl Kind {

@@ -9,4 +9,5 @@
 pub mod chapman;
 pub mod decay;
 pub mod gauss_legendre;
+pub mod gaussian;
 pub mod rel;

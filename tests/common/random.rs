@@ -78,6 +78,29 @@ impl Random {
         Ray { origin, direction }
     }
 
+    /// Three orthogonal axes of random lengths.
+    pub fn axes(&mut self, low: f64, high: f64) -> [f64; 9] {
+        let (a, b) = (self.direction(), self.direction());
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [
+                a[1] * b[2] - a[2] * b[1],
+                a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0],
+            ]
+        };
+        let c = cross(a, b);
+        let length = c.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let c = c.map(|x| x / length);
+        let mut axes = [0.0; 9];
+        for (k, axis) in [a, cross(c, a), c].into_iter().enumerate() {
+            let deviation = self.magnitude(low, high);
+            for i in 0..3 {
+                axes[3 * k + i] = axis[i] * deviation;
+            }
+        }
+        axes
+    }
+
     /// Two to four components of any kind, with lengths around 1.
     pub fn components(&mut self) -> Components {
         let count = 2 + self.index(3);
@@ -92,20 +115,24 @@ impl Random {
         } else {
             self.direction()
         };
-        let shape = match kind {
+        let scale = self.magnitude(0.1, 100.0);
+        let center: [f64; 3] = std::array::from_fn(|_| self.between(-5.0, 5.0));
+        // A planet whose surface is within 5 of the origin.
+        let radius = self.magnitude(1.0, 1e3);
+        let planet = up.map(|x| -x * radius);
+        let values = match kind {
             Kind::Constant => vec![],
             Kind::Linear => {
                 let gradient = self.sign() * self.magnitude(1e-3, 1.0);
-                vec![self.between(-5.0, 5.0), gradient, self.between(-1.0, 2.0)]
+                let shape = [center[0], gradient, self.between(-1.0, 2.0)];
+                [up.to_vec(), shape.to_vec()].concat()
             }
-            Kind::Exponential => {
-                let scale_height = self.magnitude(0.1, 100.0);
-                vec![self.between(-5.0, 5.0), scale_height]
+            Kind::Exponential => [&up[..], &[center[0], scale]].concat(),
+            Kind::Spherical | Kind::RadialGaussian => {
+                [&planet[..], &[radius + center[0].min(0.0), scale]].concat()
             }
-        };
-        let values = match kind {
-            Kind::Constant => shape,
-            _ => [up.to_vec(), shape].concat(),
+            Kind::Gaussian => [&center[..], &[scale]].concat(),
+            Kind::AnisotropicGaussian => [&center[..], &self.axes(0.1, 100.0)].concat(),
         };
         (kind, values, sigma)
     }
