@@ -15,7 +15,9 @@ Analytic medium (:monosp:`analytic`)
 
  * - profile
    - |string|
-   - Where the matter is: ``constant``, ``linear`` or ``exponential``. (Default: ``constant``)
+   - Where the matter is. In layers: ``constant``, ``linear`` or ``exponential``; around a planet:
+     ``spherical``, ``radial_gaussian`` or ``tent``; in a ball: ``gaussian`` or
+     ``anisotropic_gaussian``. (Default: ``constant``)
 
  * - sigma_t
    - |float|, |spectrum|
@@ -53,12 +55,41 @@ Analytic medium (:monosp:`analytic`)
  * - scale_height
    - |float|
    - Altitude over which the density falls by a factor e, in scene units, greater than 0.
-     ``exponential`` only.
+     ``exponential``, ``spherical``, and ``radial_gaussian`` at the altitude 0.
    - |exposed|, |differentiable|
 
  * - gradient, density
    - |float|
    - The density is ``max(0, density + gradient * altitude)``. ``linear`` only.
+   - |exposed|, |differentiable|
+
+ * - center
+   - |point|
+   - Of the planet, or of the ball. ``spherical``, ``radial_gaussian``, ``tent``, ``gaussian`` and
+     ``anisotropic_gaussian``.
+   - |exposed|, |differentiable|
+
+ * - radius
+   - |float|
+   - Of the planet, in scene units, greater than 0: the altitude of a point is its distance from
+     ``center`` less ``radius``. ``spherical``, ``radial_gaussian`` and ``tent``.
+   - |exposed|, |differentiable|
+
+ * - height, width
+   - |float|
+   - The density is 1 at the altitude ``height``, and falls in proportion to the distance from
+     there to 0 at ``height - width`` and ``height + width``; in scene units. ``tent`` only.
+   - |exposed|, |differentiable|
+
+ * - sigma
+   - |float|
+   - Standard deviation, in scene units, greater than 0. ``gaussian`` only.
+   - |exposed|, |differentiable|
+
+ * - axis_u, axis_v, axis_w
+   - |vector|
+   - Axes at right angles, whose lengths are the standard deviations, in scene units.
+     ``anisotropic_gaussian`` only.
    - |exposed|, |differentiable|
 
  * - bbox_min, bbox_max
@@ -67,10 +98,16 @@ Analytic medium (:monosp:`analytic`)
      (Default: all of space)
    - |exposed|
 
+ * - bsphere_center, bsphere_radius
+   - |point|, |float|
+   - The sphere, in world space, that the medium fills, instead of a box: the end of an atmosphere.
+     Both or neither.
+   - |exposed|
+
  * - max_density
    - |float|
-   - Without a box, stock integrators see the density clamped to this value; they need a bound.
-     (Default: 1)
+   - Stock integrators see the density clamped to this value; they need a bound. (Default: 1
+     without a box, none with one)
    - |exposed|
 
  * - has_spectral_extinction
@@ -89,7 +126,8 @@ Analytic medium (:monosp:`analytic`)
 A medium whose optical depth, transmittance and free flight are formulas: no grid, no null
 collisions. The integrator :ref:`analyticvolpath <integrator-analyticvolpath>` uses the formulas;
 ``volpath``, ``volpathmis`` and ``prbvolpath`` render the same medium by delta tracking, with the
-supremum of the density in the box as the majorant.
+supremum of the density in the box or ``max_density``, whichever is less, as the majorant. A sum of
+several is an :ref:`overlap <medium-overlap>`.
 
 .. tabs::
     .. code-tab:: xml

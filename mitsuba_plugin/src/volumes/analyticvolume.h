@@ -20,8 +20,8 @@ Analytic volume (:monosp:`analyticvolume`)
 
  * - profile
    - |string|
-   - ``constant``, ``linear`` or ``exponential``, with the parameters that
-     :ref:`analytic <medium-analytic>` lists for it. (Default: ``constant``)
+   - A profile, with the parameters that :ref:`analytic <medium-analytic>` lists for it. (Default:
+     ``constant``)
 
  * - scale
    - |float|
