@@ -33,8 +33,11 @@ pub fn free_flight<R: Real>(
     t_max: R,
     tau: R,
 ) -> R {
-    let t = if medium.profiles().len() == 1 {
-        inverse(medium, 0, channel, ray, tau)
+    let [first, rest @ ..] = medium.profiles() else {
+        unreachable!("a medium has a component");
+    };
+    let t = if rest.is_empty() && first.closed_inverse() {
+        alone(medium, 0, channel, ray, tau)
     } else {
         sum_inverse(medium, channel, ray, t_max, tau)
     };
@@ -87,18 +90,13 @@ pub fn pdf_within<R: Real>(
         .into_iter()
 }
 
-/// The distance at which one component alone has gathered `tau`.
-fn inverse<R: Real>(
-    medium: &Medium<R>,
-    component: usize,
-    channel: usize,
-    ray: &Ray<R>,
-    tau: R,
-) -> R {
+/// The distance at which one component alone has gathered `tau`; a guess, if its inverse is not
+/// in closed form.
+fn alone<R: Real>(medium: &Medium<R>, component: usize, channel: usize, ray: &Ray<R>, tau: R) -> R {
     let sigma_t = medium.sigma_t(component, channel);
     let clear = sigma_t.le(tau.lit(0.0));
     let sigma_t = R::select(clear, tau.lit(1.0), sigma_t);
-    let t = medium.profiles()[component].inv_column(ray, tau / sigma_t);
+    let t = medium.profiles()[component].guess_inv_column(ray, tau / sigma_t);
     R::select(clear & tau.lit(0.0).lt(tau), tau.lit(f64::INFINITY), t)
 }
 
@@ -138,15 +136,15 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
     R::select(reached, t.max(zero).min(t_max), beyond)
 }
 
-/// Bounds of t with τ(t) = `tau`, and a guess between them, from closed inverses alone.
+/// Bounds of t with τ(t) = `tau`, and a guess between them, from the inverses of the components.
 ///
-/// No component gathers more than τ, so t ≤ min_c t_c(τ); of n components one has gathered
-/// at least τ/n, so t ≥ min_c t_c(τ/n). Where each component has only the nth part of
-/// τ(t_max) − τ before it, no more than that remains of their sum, so t ≤ max_c of these
-/// distances: a finite bound for media that thin out.
+/// No component gathers more than τ, so t ≤ min_c t_c(τ); of n components one has gathered at
+/// least τ/n, so t ≥ min_c t_c(τ/n). Where each has gathered the same fraction of its part of
+/// τ(t_max), they have of their sum: t is between the first and the last of these distances. An
+/// inverse that is not in closed form bounds nothing, and is a guess.
 ///
-/// `shares` are the components' parts of τ(t_max). The guess 1/t = Σ 1/t_c(τ) is exact for
-/// uniform components.
+/// `shares` are the components' parts of τ(t_max). The guess is 1/t = Σ 1/t_c(τ), exact for
+/// uniform components, or the mean of the equal fractions where none reaches τ alone.
 fn bracket<R: Real>(
     medium: &Medium<R>,
     channel: usize,
@@ -155,29 +153,37 @@ fn bracket<R: Real>(
     tau: R,
     shares: &[R],
 ) -> (Bracket<R>, R) {
+    let (zero, one, infinity) = (tau.lit(0.0), tau.lit(1.0), tau.lit(f64::INFINITY));
     let share = tau.lit(1.0 / shares.len() as f64);
-    let total = shares.iter().copied().fold(tau.lit(0.0), |a, b| a + b);
-    let rest = (total - tau) * share;
+    let total = shares.iter().copied().fold(zero, |a, b| a + b);
+    let finite = total.is_bounded();
+    let total = R::select(finite, total, one);
 
-    let (zero, one) = (tau.lit(0.0), tau.lit(1.0));
-    let mut low = tau.lit(f64::INFINITY);
-    let mut high = t_max;
-    let mut tail = zero;
-    let mut rate = zero;
+    let (mut low, mut high) = (infinity, t_max);
+    let (mut first, mut last) = (infinity, zero);
+    let (mut mean, mut rate) = (zero, zero);
     for (c, part) in shares.iter().enumerate() {
-        let alone = inverse(medium, c, channel, ray, tau);
-        high = high.min(alone);
-        low = low.min(inverse(medium, c, channel, ray, tau * share));
-        let before = *part - rest;
-        let thins = zero.lt(before) & before.is_bounded();
-        let until = inverse(medium, c, channel, ray, R::select(thins, before, one));
-        tail = tail.max(R::select(thins, until, zero));
-        rate = rate + one / alone.max(tau.lit(1e-30));
+        let closed = medium.profiles()[c].closed_inverse();
+        let own = alone(medium, c, channel, ray, tau);
+        let reaches = tau.le(*part);
+        let own_rate = one / R::select(reaches, own, one).max(tau.lit(1e-30));
+        rate = rate + R::select(reaches, own_rate, zero);
+
+        let some = finite & zero.lt(*part);
+        let part = R::select(some, *part / total, zero);
+        let until = alone(medium, c, channel, ray, tau * part).min(t_max);
+        mean = mean + part * R::select(until.is_bounded(), until, zero);
+        if closed {
+            high = high.min(own);
+            low = low.min(alone(medium, c, channel, ray, tau * share));
+            first = first.min(R::select(some, until, infinity));
+            last = last.max(R::select(some, until, zero));
+        } else {
+            (low, first, last) = (zero, zero, infinity);
+        }
     }
-    let tail = R::select(rest.is_bounded() & zero.lt(tail), tail, high);
-    let high = high.min(tail.max(low));
-    let low = low.min(high);
-    let harmonic = one / rate.max(tau.lit(1e-30));
-    let guess = R::select(high.is_bounded() | tau.lit(1e-30).lt(rate), harmonic, low);
+    let high = high.min(R::select(finite, last, infinity));
+    let low = low.max(R::select(finite, first, zero)).min(high);
+    let guess = R::select(zero.lt(rate), one / rate.max(tau.lit(1e-30)), mean);
     (Bracket { low, high }, guess.max(low).min(high))
 }

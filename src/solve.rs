@@ -10,6 +10,8 @@
 //! root may be there; if the end has been tried, or the integrand vanishes, it becomes a
 //! bisection. `tests/solver.rs` states how many steps that takes.
 
+use crate::geometry::Ray;
+use crate::profile::Profile;
 use crate::real::{Mask, Real};
 use crate::special::rel::psi;
 
@@ -24,23 +26,22 @@ pub struct Bracket<R> {
 
 /// How far the iteration goes.
 struct Limits {
-    /// Steps of a recorded solve; scalars and lanes stop as soon as all are done.
+    /// Most steps; a recorded solve takes them all.
     steps: usize,
     /// Δ relative to the target from which one more step is the last.
     missing: f64,
 }
 
 impl Limits {
-    /// In double precision the slowest of a million random sums took 11 steps; in single
-    /// precision, 6 steps leave as many of them above 1e-6 as any number of steps would.
     fn of<R: Real>(x: R) -> Self {
-        if x.digits() <= 24 {
-            let (steps, missing) = (6, 1e-3);
-            Self { steps, missing }
+        let (few, many, missing) = if x.digits() <= 24 {
+            (6, 12, 1e-4)
         } else {
-            let (steps, missing) = (12, 1e-6);
-            Self { steps, missing }
-        }
+            (12, 40, 1e-8)
+        };
+        // Plain numbers stop when all are done, and may take their time.
+        let steps = if R::DERIVATIVES { few } else { many };
+        Self { steps, missing }
     }
 }
 
@@ -78,7 +79,7 @@ impl<R: Real> Search<R> {
     }
 
     /// (1) from `t`, where `missing` = Δ, or what replaces it.
-    fn step(&self, t: R, missing: R, (slope, curvature): (R, R)) -> Step<R> {
+    fn step(&self, t: R, goal: R, missing: R, (slope, curvature): (R, R)) -> Step<R> {
         let (zero, one) = (t.lit(0.0), t.lit(1.0));
         let dense = zero.lt(slope);
         let slope = R::select(dense, slope, one);
@@ -86,14 +87,21 @@ impl<R: Real> Search<R> {
         let y = -(curvature / slope) * straight;
         let modelled = dense & y.lt(one);
         let next = t + straight * psi(R::select(modelled, y, zero));
+        // Far beyond the root ln g is closer to a straight line than g: down into a planet the
+        // density grows, and may have had its summit in between.
+        let excess = -missing / goal;
+        let far = dense & t.lit(10.0).lt(excess) & excess.is_bounded();
+        let ratio = one + R::select(far, excess, zero);
+        let back = t - goal * ratio / slope * ratio.ln();
+        let next = R::select(far, back, next);
 
         let Bracket { low, high } = self.bracket;
         let bounded = high.is_bounded();
-        let middle = R::select(bounded, t.lit(0.5) * (low + high), low + low + one);
-        let before = modelled & next.lt(low);
-        let beyond = !modelled | high.lt(next) | !next.is_bounded();
+        let middle = R::select(bounded, t.lit(0.5) * (low + high), t + t + one);
+        let before = (modelled | far) & next.lt(low);
+        let beyond = !(modelled | far) | high.lt(next) | !next.is_bounded();
         let untried = !self.high_tried & bounded & dense;
-        let next = R::select(before, R::select(self.low_tried, middle, low), next);
+        let next = R::select(before, R::select(self.low_tried | far, middle, low), next);
         let next = R::select(beyond, R::select(untried, high, middle), next);
 
         let near = (next - t).abs().le(t.lit(0.01) * t);
@@ -107,7 +115,7 @@ impl<R: Real> Search<R> {
 /// `value` is g and `slopes` are g′ ≥ 0 and g″, without derivatives by parameters, for the
 /// iteration; `attached` is g with them, for one last step. That step carries
 /// ∂t/∂θ = −(∂g/∂θ)/f, the implicit function theorem, so that derivatives never run through
-/// the iteration.
+/// the iteration; numbers without derivatives need no such step.
 pub fn increasing<R: Real>(
     value: impl Fn(R) -> R,
     slopes: impl Fn(R) -> (R, R),
@@ -127,9 +135,9 @@ pub fn increasing<R: Real>(
     for _ in 0..limits.steps {
         let missing = goal - value(t);
         search.narrow(t, t.lit(0.0).lt(missing));
-        let next = search.step(t, missing, slopes(t));
+        let next = search.step(t, goal, missing, slopes(t));
         stride = R::select(done, stride, (next.t - t).abs());
-        let moved = t.lt(next.t) | next.t.lt(t);
+        let moved = (t * t.unit_roundoff()).lt((next.t - t).abs());
         t = R::select(done, t, next.t);
         let rest = missing.abs();
         done = done | (rest.le(tolerance) & next.exact) | rest.le(rounding) | !moved;
@@ -137,7 +145,11 @@ pub fn increasing<R: Real>(
             break;
         }
     }
-    t + last_step(t, target - attached(t), slopes(t).0, stride)
+    if R::DERIVATIVES {
+        t + last_step(t, target - attached(t), slopes(t).0, stride)
+    } else {
+        t
+    }
 }
 
 /// Newton's step with the derivatives of `missing`; its value counts only if it is no longer
@@ -148,4 +160,29 @@ fn last_step<R: Real>(t: R, missing: R, slope: R, stride: R) -> R {
     let step = R::select(dense, missing, zero) / R::select(dense, slope, one);
     let plain = step.detach();
     step - R::select(plain.abs().le(stride), zero, plain)
+}
+
+/// The smallest distance at which `profile` has gathered `column` along the ray, infinite if it
+/// never does: for profiles whose column has no closed inverse.
+pub fn inv_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> R {
+    let (zero, infinity) = (column.lit(0.0), column.lit(f64::INFINITY));
+    let (plain, plain_ray) = (profile.detach(), ray.detach());
+    let total = plain.column(&plain_ray, infinity);
+    let some = zero.lt(column);
+    let reached = some & column.le(total) & column.is_bounded();
+    let target = R::select(reached, column, total.min(column.lit(1.0)));
+
+    let guess = plain.guess_inv_column(&plain_ray, target.detach());
+    let t = increasing(
+        |t| plain.column(&plain_ray, t),
+        |t| plain.density_along(&plain_ray, t),
+        |t| profile.column(ray, t),
+        target,
+        Bracket {
+            low: zero,
+            high: infinity,
+        },
+        guess,
+    );
+    R::select(reached, t, R::select(some, infinity, zero))
 }

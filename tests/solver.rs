@@ -6,6 +6,7 @@
 
 mod common;
 
+use analytic_media::profile::Kind;
 use analytic_media::real::Real;
 use analytic_media::sampling;
 use common::counted::{Counted, questions};
@@ -64,9 +65,10 @@ fn solve<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) -> Ste
         let depth = |t| (a.lower)(m.optical_depth(&r, lift(t)).next().expect("a channel").0);
         let extinction = |t| (a.lower)(m.extinction(r.at(lift(t))).next().expect("a channel").0);
         let total = depth(t_max);
+        let (_, sup) = m.bounds(&r, lift(t_max)).next().expect("a channel");
         let tau = round(target_depth(&mut random, total));
-        // Beyond the range of the format there is nothing to find.
-        if tau > total || tau == 0.0 || !extinction(0.0).is_finite() {
+        // Deep inside a planet the density grows beyond what the format can tell apart.
+        if tau > total || tau == 0.0 || (a.lower)(sup.0) > 1e6 {
             continue;
         }
 
@@ -83,7 +85,13 @@ fn solve<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) -> Ste
         }
         // Rounding of positions and of t itself, times the attenuation there, and rounding of τ.
         let sigma = extinction(t).max(extinction(t * (1.0 + 4.0 * a.roundoff)));
-        let rounding = 8.0 * a.roundoff * (30.0 + t) * sigma + 100.0 * a.roundoff * tau;
+        // Altitudes are rounded like the radius of the planet they are counted from.
+        let scale = components.iter().map(|(kind, values, _)| match kind {
+            Kind::Spherical => values[3] / values[4],
+            _ => 0.0,
+        });
+        let condition = 100.0 + 16.0 * scale.fold(0.0, f64::max);
+        let rounding = a.roundoff * (8.0 * (30.0 + t) * sigma + condition * tau);
         let residual = (depth(t) - tau).abs();
         assert!(
             t <= t_max && residual <= a.target * tau.max(1.0) + rounding,
@@ -95,7 +103,8 @@ fn solve<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) -> Ste
     Steps(steps)
 }
 
-/// A recorded double-precision solve takes 12 steps: no case here needs more than 9.
+/// One more evaluation of the column finds out whether the optical depth is reached at all, so
+/// that there are less than three on average. A recorded solve takes 12 steps.
 #[test]
 fn sums_are_solved_in_double_precision() {
     let steps = solve(&Arithmetic {
@@ -105,11 +114,14 @@ fn sums_are_solved_in_double_precision() {
         target: 1e-12,
     });
     println!("f64: {:.2} steps on average", steps.mean());
-    assert!(steps.mean() < 1.8);
-    assert_eq!(steps.beyond(9), 0);
+    assert!(steps.mean() < 2.0);
+    assert!(
+        steps.beyond(6) * 1000 < steps.0.len(),
+        "nearly all need at most 6"
+    );
 }
 
-/// A recorded single-precision solve takes 6 steps; scalars may stop at the 6th as well.
+/// As above; a recorded single-precision solve takes 6 steps.
 #[test]
 fn sums_are_solved_in_single_precision() {
     let steps = solve(&Arithmetic {
@@ -119,9 +131,9 @@ fn sums_are_solved_in_single_precision() {
         target: 1e-6,
     });
     println!("f32: {:.2} steps on average", steps.mean());
-    assert!(steps.mean() < 1.5);
+    assert!(steps.mean() < 1.9);
     assert!(
-        steps.beyond(4) * 2000 < steps.0.len(),
+        steps.beyond(4) * 100 < steps.0.len(),
         "nearly all need at most 4"
     );
 }

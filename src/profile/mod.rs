@@ -31,6 +31,16 @@ pub trait Profile<R: Real> {
     /// The smallest distance at which the ray has gathered `column`; infinite if it never does.
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R;
 
+    /// A finite distance near `inv_column`, in closed form, for iterations to start from.
+    fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
+        self.inv_column(ray, column)
+    }
+
+    /// Whether `inv_column` is in closed form.
+    fn closed_inverse(&self) -> bool {
+        true
+    }
+
     /// Infimum and supremum of the density on a segment of length `t`. True bounds: the
     /// infimum is not above, and the supremum not below, the density at any point of it.
     fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R);
@@ -146,6 +156,12 @@ macro_rules! profiles {
             }
             fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
                 match self { $( Self::$Profile(p) => p.inv_column(ray, column), )* }
+            }
+            fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
+                match self { $( Self::$Profile(p) => p.guess_inv_column(ray, column), )* }
+            }
+            fn closed_inverse(&self) -> bool {
+                match self { $( Self::$Profile(p) => Profile::<R>::closed_inverse(p), )* }
             }
             fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R) {
                 match self { $( Self::$Profile(p) => p.bounds(ray, t), )* }

@@ -11,6 +11,13 @@
 //! there is no switch between formulas. The article's difference of two Chapman functions is
 //! wrong by up to 100 % for 10 m above Earth, in single precision.
 //!
+//! The inverse is an iteration. It starts where g of A is taken for its value at the start,
+//!
+//!     N(t) ≈ H ρ(h₀) g(a) √π/2 (erfcx(√a) − e^(−Y) erfcx(√(a+Y)))     (2)
+//!
+//! which the closed approximation of [`crate::special::tail`] inverts: exact for short flights, and
+//! within a few per cent where the ray bends through several scale heights.
+//!
 //! There is no ground: below R the density goes on growing, and where it leaves the number format
 //! it is ∞, as is the column of a segment that touches such a point; a segment of length 0 has
 //! the column 0. Segments within one scale height of the centre have an error relative to the
@@ -22,9 +29,11 @@ use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either};
-use crate::solve::{self, Bracket};
+use crate::solve;
 use crate::special::chapman::arc;
 use crate::special::rel::psi;
+use crate::special::tail;
+use std::f64::consts::FRAC_2_SQRT_PI;
 
 /// ρ(h) = exp(−`falloff` h), h the altitude above `sphere`.
 #[derive(Clone, Copy, Debug)]
@@ -131,34 +140,57 @@ impl<R: Real> Profile<R> for Spherical<R> {
         self.gathered(&self.sphere.passage(ray), t)
     }
 
+    /// (1), inverted by iteration from (2).
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        let (zero, infinity) = (column.lit(0.0), column.lit(f64::INFINITY));
-        let total = self.column(&ray.detach(), infinity);
-        let some = zero.lt(column);
-        let reached = some & column.lt(total) & column.is_bounded();
-        let target = R::select(reached, column, total.min(column.lit(1.0)) * column.lit(0.5));
+        solve::inv_column(self, ray, column)
+    }
 
-        let plain = self.detach();
-        let ray_plain = ray.detach();
-        let goal = target.detach();
-        let (density, slope) = plain.density_along(&ray_plain, zero);
-        let dense = zero.lt(density) & density.is_bounded();
-        let straight = goal / R::select(dense, density, column.lit(1.0));
-        let y = -(slope / R::select(dense, density, column.lit(1.0))) * straight;
-        let modelled = dense & y.lt(column.lit(0.99));
-        let flat = straight * psi(R::select(modelled, y, zero));
-        let t = solve::increasing(
-            |t| plain.column(&ray_plain, t),
-            |t| plain.density_along(&ray_plain, t),
-            |t| self.column(ray, t),
-            target,
-            Bracket {
-                low: zero,
-                high: infinity,
-            },
-            flat,
-        );
-        R::select(reached, t, R::select(some, infinity, zero))
+    /// (2)
+    fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
+        let passage = self.sphere.passage(ray);
+        let n = self.falloff;
+        let (zero, one, two) = (n.lit(0.0), n.lit(1.0), n.lit(2.0));
+        let (perigee, start) = (passage.perigee * n, passage.depth() * n);
+        let x = start.sqrt();
+        let tiny = if n.digits() <= 24 { 1e-30 } else { 1e-200 };
+        let g = two * (start + perigee) / (start + two * perigee + n.lit(tiny)).sqrt();
+        let amount = column * n / g.max(n.lit(tiny));
+
+        // Amounts relative to the whole tail beyond the start.
+        let altitude = passage.altitude * n;
+        let density = (-altitude).exp();
+        let vanishes = density.le(n.lit(tiny));
+        let part = tail::steepness(x) * amount / R::select(vanishes, one, density);
+        let descends = passage.along.lt(zero);
+
+        // Ahead, the tail becomes thinner by what is gathered.
+        let left = part.min(n.lit(0.9999));
+        let climb = tail::outwards(x, left * psi(R::select(descends, zero, left)));
+
+        // Towards the perigee it becomes thicker, and beyond it is thinner again.
+        let before = tail::log_erfc(x);
+        let large = vanishes | n.lit(1e6).lt(part);
+        let modest = R::select(large, one, part);
+        let from_far = (n.lit(FRAC_2_SQRT_PI) * amount.max(n.lit(tiny))).ln() + altitude - start;
+        let increase = R::select(large, from_far - before, modest * psi(-modest)).max(zero);
+        let sum = before + increase;
+        let turns = descends & zero.lt(sum);
+        let beyond = (two - R::select(turns, sum, zero).min(one).exp()).max(n.lit(1e-4));
+        let past = tail::outwards(zero, -beyond.ln());
+        let fall = tail::inwards(x, increase);
+
+        let end = R::select(turns, past, R::select(descends, x - fall, x + climb));
+        let step = R::select(descends, fall, climb);
+        let height = |x: R| x * x + two * perigee;
+        let (here, there) = (x * height(x).sqrt(), end * height(end).sqrt());
+        let sum = (here + there).max(n.lit(tiny));
+        let difference = step * (x + end) * (height(x) + end * end) / sum;
+        let t = R::select(turns, sum, difference) / n;
+        R::select(t.is_bounded(), t, zero)
+    }
+
+    fn closed_inverse(&self) -> bool {
+        false
     }
 
     fn bounds(&self, ray: &Ray<R>, t: R) -> (R, R) {

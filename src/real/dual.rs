@@ -94,6 +94,7 @@ impl<R: Real, const N: usize> Neg for Dual<R, N> {
 
 impl<R: Real, const N: usize> Real for Dual<R, N> {
     type Mask = R::Mask;
+    const DERIVATIVES: bool = true;
 
     fn lit(self, value: f64) -> Self {
         Self::constant(self.value.lit(value))

@@ -30,6 +30,9 @@ pub trait Real:
     /// Result of a comparison.
     type Mask: Mask;
 
+    /// Whether a value may carry derivatives.
+    const DERIVATIVES: bool = false;
+
     /// The constant `value`, in the format of `self`.
     #[must_use]
     fn lit(self, value: f64) -> Self;

@@ -158,6 +158,7 @@ impl Neg for Node<'_> {
 
 impl<'h> Real for Node<'h> {
     type Mask = NodeMask<'h>;
+    const DERIVATIVES: bool = true;
 
     fn lit(self, value: f64) -> Self {
         // SAFETY: the host vouches for its own functions and tape.

@@ -14,7 +14,7 @@
 //!     ∫ e^(−r) ds = Σ (−1)ⁿ/n! Mₙ,   Mₙ = ∫ rⁿ ds = (s rⁿ + n p² Mₙ₋₂)/(n + 1)   (2)
 //!
 //! s being the distance from the perigee, M₀ = s and M₁ = (s r + p² artanh(s/r))/2; beyond it
-//! they have (1) from r₀ = 1, where p is no longer smaller than what g can take.
+//! they have (1) from r₀ = 1. Short pieces of a core, Y ≤ (a + 2p)/4, have (1) as well.
 //!
 //! The Chapman function is the column of a ray to infinity, relative to that of a vertical ray
 //! (article, Eq. 42). With θ the zenith angle and a = z (1 − sin θ) = z cos²θ/(1 + sin θ),
@@ -25,7 +25,7 @@
 //! (48) adds the two sides of the perigee; the article's form subtracts.
 
 use super::decay::decay;
-use crate::real::{Mask, Real};
+use crate::real::{Real, either};
 
 /// A(p, a, Y) of (1): `perigee` = p ≥ 0, `start` = a ≥ 0 and the `range` Y ≥ 0 in scale
 /// heights; Y may be infinite.
@@ -33,20 +33,25 @@ pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
     let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
     // Height of the core, in which the series (2) takes over.
     let core = one - perigee;
-    let cuts = start.lt(core);
+    // A piece that is short beside its distance from the singularity needs no series.
+    let long = (start + perigee + perigee).lt(range * range.lit(4.0));
+    let cuts = start.lt(core) & long;
     let begin = R::select(cuts, core, start);
     let skipped = (begin - start).min(range);
     let outside = decay(begin.sqrt(), range - skipped, |w| {
         (w + w + perigee + perigee) / (w + perigee + perigee).sqrt()
     });
-    if !cuts.any() {
-        return outside;
-    }
-    let perigee = R::select(cuts, perigee, zero);
-    let end = R::select(cuts, (start + range).min(core), zero);
-    let start = R::select(cuts, start, zero);
-    let inside = (perigee + start).exp() * (series(perigee, end) - series(perigee, start));
-    R::select(cuts, inside.max(zero) + (-skipped).exp() * outside, outside)
+    let inside = |perigee: R| {
+        let end = R::select(cuts, (start + range).min(core), zero);
+        let start = R::select(cuts, start, zero);
+        let column = series(perigee, end) - series(perigee, start);
+        (perigee + start).exp() * column.max(zero)
+    };
+    either(
+        cuts,
+        || inside(R::select(cuts, perigee, zero)) + (-skipped).exp() * outside,
+        || outside,
+    )
 }
 
 /// (2) from the perigee p < 1 to the height `height` above it, p + height ≤ 1.

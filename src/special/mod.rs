@@ -11,3 +11,4 @@ pub mod decay;
 pub mod gauss_legendre;
 pub mod gaussian;
 pub mod rel;
+pub mod tail;

@@ -45,6 +45,7 @@ impl<R: Real> Neg for Counted<R> {
 
 impl<R: Real> Real for Counted<R> {
     type Mask = CountedMask<R::Mask>;
+    const DERIVATIVES: bool = R::DERIVATIVES;
 
     fn lit(self, value: f64) -> Self {
         Self(self.0.lit(value))
