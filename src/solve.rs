@@ -85,8 +85,9 @@ impl<R: Real> Search<R> {
         let slope = R::select(dense, slope, one);
         let straight = missing / slope;
         let y = -(curvature / slope) * straight;
-        let modelled = dense & y.lt(one);
-        let next = t + straight * psi(R::select(modelled, y, zero));
+        // Where the model never gathers Δ, the density falls more slowly than it says.
+        let modelled = dense & y.is_bounded();
+        let next = t + straight * psi(R::select(modelled, y.min(t.lit(0.98)), zero));
         // Far beyond the root ln g is closer to a straight line than g: down into a planet the
         // density grows, and may have had its summit in between.
         let excess = -missing / goal;

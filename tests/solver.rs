@@ -78,8 +78,8 @@ fn solve<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) -> Ste
         steps.push(count);
         if t.is_infinite() || t > 1e30 {
             assert!(
-                a.roundoff > 1e-10,
-                "case {case}: t = {t:e}, but τ({t_max:e}) = {total:e}"
+                a.roundoff > 1e-10 || t.is_finite(),
+                "case {case}: t = {t:e}, but τ({t_max:e}) = {total:e}: {components:?} {r:?}"
             );
             continue;
         }

@@ -118,7 +118,7 @@ impl Random {
         let scale = self.magnitude(0.1, 100.0);
         let center: [f64; 3] = std::array::from_fn(|_| self.between(-5.0, 5.0));
         // A planet whose surface is within 5 of the origin.
-        let radius = self.magnitude(1.0, 1e3);
+        let radius = self.magnitude(10.0, 1e3);
         let planet = up.map(|x| -x * radius);
         let values = match kind {
             Kind::Constant => vec![],
