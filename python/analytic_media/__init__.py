@@ -5,17 +5,30 @@
     fog = am.Medium([(am.Exponential(scale_height=20), 0.1)])
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
-`am.jit` asks the same of Dr.Jit arrays. Importing the package makes its plugins known to
-Mitsuba, where that is installed.
+`am.jit` asks the same of Dr.Jit arrays; `am.earth()` and its like are scenes for Mitsuba. Importing
+the package makes its plugins known to Mitsuba, where that is installed.
 """
 
-from . import jit
+from . import jit, presets
 from ._native import version as _version
 from ._plugins import register as _register
 from .medium import Medium
+from .presets import earth, height_fog, mars, titan
 from .profiles import Constant, Exponential, Linear, Profile
 
-__all__ = ["Constant", "Exponential", "Linear", "Medium", "Profile", "jit"]
+__all__ = [
+    "Constant",
+    "Exponential",
+    "Linear",
+    "Medium",
+    "Profile",
+    "earth",
+    "height_fog",
+    "jit",
+    "mars",
+    "presets",
+    "titan",
+]
 __version__ = _version()
 
 _register()

@@ -46,7 +46,7 @@ def orbit(planet: Planet, unit: Unit, film: Film, altitude=400e3, elevation=None
     return horizon(planet, unit, film, altitude, elevation, fov)
 
 
-def fisheye(planet: Planet, unit: Unit, film: Film, altitude=20.0) -> dict:
+def fisheye(planet: Planet, unit: Unit, film: Film, altitude=25.0) -> dict:
     """The whole sky, in the circle that touches the picture's nearer edges.
 
     Mitsuba has no fisheye camera, but photographers have used a mirror ball: an orthographic
