@@ -63,14 +63,17 @@ public:
             dr::make_opaque(m_scale);
         else
             check("scale", m_scale, dr::Infinity<double>);
+        if constexpr (Remembers)
+            m_remembered = evaluate(dr::zeros<Interaction3f>(), true);
     }
 
     /// Extinction coefficient at relative density 1.
     template <typename Interaction>
     UnpolarizedSpectrum sigma_t(const Interaction &it, Mask active) const {
-        if (m_sigma_t)
-            return m_scale * m_sigma_t->eval(it, active);
-        return m_scale * (m_sigma_a->eval(it, active) + m_sigma_s->eval(it, active));
+        if constexpr (Remembers)
+            return m_remembered;
+        else
+            return evaluate(it, active);
     }
 
     /// Single-scattering albedo, 0 where there is no extinction.
@@ -102,6 +105,17 @@ public:
     AM_TRAVERSE_MEMBERS(m_sigma_t, m_albedo, m_sigma_a, m_sigma_s, m_scale)
 
 private:
+    /// Whether the extinction is the same for every ray, and cheaper to keep than to ask for:
+    /// volumes make up a surface for their texture each time.
+    static constexpr bool Remembers = !dr::is_jit_v<Float> && !is_spectral_v<Spectrum>;
+
+    template <typename Interaction>
+    UnpolarizedSpectrum evaluate(const Interaction &it, Mask active) const {
+        if (m_sigma_t)
+            return m_scale * m_sigma_t->eval(it, active);
+        return m_scale * (m_sigma_a->eval(it, active) + m_sigma_s->eval(it, active));
+    }
+
     static bool is_float(const Properties &props, const char *name) {
         return !props.has_property(name) || props.type(name) == Properties::Type::Float ||
                props.type(name) == Properties::Type::Integer;
@@ -161,6 +175,8 @@ private:
     ref<Volume> m_sigma_t, m_albedo, m_sigma_a, m_sigma_s;
     Float m_scale;
     bool m_chromatic = false;
+    /// Extinction at relative density 1, in scalar variants without wavelengths.
+    UnpolarizedSpectrum m_remembered;
 };
 
 } // namespace mitsuba

@@ -117,7 +117,7 @@ public:
         if (!m_has_spectral_extinction)
             return weight;
 
-        const UnpolarizedSpectrum depth = optical_depth(ray, t, active),
+        const UnpolarizedSpectrum depth = optical_depth(ray, t, mi, active),
                                   chance = channel_chances(throughput);
         // Relative to the thinnest channel that counts, nothing that matters underflows.
         const Float least = thinnest(chance, depth);
@@ -130,7 +130,7 @@ public:
     /// Transmittance over the distance `t`, which may be infinite.
     UnpolarizedSpectrum transmittance(const Ray3f &ray, Float t, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
-        return dr::exp(-optical_depth(ray, t, active));
+        return dr::exp(-optical_depth(ray, t, interaction(ray), active));
     }
 
     MI_DECLARE_CLASS(FormulaMedium)
@@ -204,8 +204,9 @@ private:
         return { extinction, dr::select(extinction > 0.f, scattering / extinction, 0.f) };
     }
 
-    UnpolarizedSpectrum optical_depth(const Ray3f &ray, const Float &t, Mask active) const {
-        const MediumInteraction3f mi = interaction(ray);
+    /// Of the distance `t`, which may be infinite; coefficients do not depend on where `mi` is.
+    UnpolarizedSpectrum optical_depth(const Ray3f &ray, const Float &t,
+                                      const MediumInteraction3f &mi, Mask active) const {
         auto [hit, near, far] = m_extent.clip(ray);
         const Float length = dr::select(hit, dr::maximum(dr::minimum(t, far) - near, 0.f), 0.f);
         const Point3f o = ray(dr::select(hit, near, 0.f));
