@@ -8,6 +8,8 @@ import pytest
 import render_scenes as scenes
 from zscores import assert_agree, render_passes
 
+dr = pytest.importorskip("drjit", reason="Dr.Jit is not installed")
+
 SPP = 2
 PATHS = {"max_depth": 6}
 
@@ -153,8 +155,6 @@ def coloured():
 def interaction(height, *width):
     mei = mi.MediumInteraction3f()
     if width:
-        import drjit as dr
-
         mei = dr.zeros(mi.MediumInteraction3f, *width)
     mei.wi = [0.6, 0, 0.8]
     mei.sh_frame = mi.Frame3f(mei.wi)
@@ -305,6 +305,29 @@ def test_changed_parameters_make_the_overlap_that_a_scene_would_state(variant, i
     after = np.array(mi.render(changed, spp=4, seed=1))
     assert not np.allclose(before, expected)
     np.testing.assert_array_equal(after, expected)
+
+
+@llvm_ad_rgb
+@pytest.mark.parametrize("fog", [LOW, overlap()], ids=lambda fog: fog["type"])
+@pytest.mark.parametrize("integrator", [OURS, VOLPATH], ids=lambda i: i["type"])
+def test_frozen_renders_follow_parameters(variant, fog, integrator):
+    """Dr.Jit finds all variables of a medium, those of its components too."""
+    gc.collect()
+    scene = mi.load_dict(scenes.valley(fog | BOX, size=24) | {"integrator": integrator | PATHS})
+    params = mi.traverse(scene)
+    (key, *_) = (key for key in list(params.keys()) if key.endswith("scale_height"))
+
+    @dr.freeze
+    def frozen(scene, seed):
+        return mi.render(scene, spp=4, seed=seed)
+
+    images = []
+    for scale_height in (0.5, 2.0):
+        params[key] = scale_height
+        params.update()
+        images.append(np.array(frozen(scene, mi.UInt32(1))))
+        np.testing.assert_array_equal(images[-1], np.array(mi.render(scene, spp=4, seed=1)))
+    assert not np.allclose(*images)
 
 
 @scalar_rgb
