@@ -14,14 +14,29 @@ from ._native import version as _version
 from ._plugins import register as _register
 from .medium import Medium
 from .presets import earth, height_fog, mars, titan
-from .profiles import Constant, Exponential, Linear, Profile
+from .profiles import (
+    AnisotropicGaussian,
+    Constant,
+    Exponential,
+    Gaussian,
+    Linear,
+    Profile,
+    RadialGaussian,
+    Spherical,
+    Tent,
+)
 
 __all__ = [
+    "AnisotropicGaussian",
     "Constant",
     "Exponential",
+    "Gaussian",
     "Linear",
     "Medium",
     "Profile",
+    "RadialGaussian",
+    "Spherical",
+    "Tent",
     "earth",
     "height_fog",
     "jit",

@@ -177,3 +177,62 @@ class Exponential(Profile, kind="exponential"):
     """
 
     __slots__ = ()
+
+
+class Spherical(Profile, kind="spherical"):
+    """Density exponential in altitude above a sphere: exp(-altitude / scale_height) (Eq. 36-48).
+
+    There is no ground: below the sphere the density goes on growing.
+
+    * `center`: centre of the planet, point, finite
+    * `radius`: where the density is 1, length, > 0
+    * `scale_height`: altitude over which the density falls by a factor e, length, > 0
+    """
+
+    __slots__ = ()
+
+
+class Tent(Profile, kind="tent"):
+    """Density piecewise linear in altitude above a sphere, as that of ozone:
+    max(0, 1 - |altitude - height| / width).
+
+    * `center`: centre of the planet, point, finite
+    * `radius`: where the altitude is 0, length, > 0
+    * `height`: altitude at which the density is 1, length, > -radius
+    * `width`: altitude above and below it where the density is 0, length, > 0
+    """
+
+    __slots__ = ()
+
+
+class Gaussian(Profile, kind="gaussian"):
+    """Isotropic Gaussian: exp(-|x - center|² / (2 sigma²)).
+
+    * `center`: point where the density is 1, finite
+    * `sigma`: standard deviation, length, > 0
+    """
+
+    __slots__ = ()
+
+
+class AnisotropicGaussian(Profile, kind="anisotropic_gaussian"):
+    """Gaussian with three axes: exp(-(u² + v² + w²) / 2), u = dot(x - center, axis_u) / |axis_u|².
+
+    * `center`: point where the density is 1, finite
+    * `axis_u`, `axis_v`, `axis_w`: orthogonal; their lengths are the standard deviations, > 0
+    """
+
+    __slots__ = ()
+
+
+class RadialGaussian(Profile, kind="radial_gaussian"):
+    """Gaussian in the distance r from a centre: exp(-(r² - radius²) / (2 radius scale_height)).
+
+    Touches `Spherical` at the radius, in value and slope, and has a closed inverse.
+
+    * `center`: centre of the planet, point, finite
+    * `radius`: where the density is 1, length, > 0
+    * `scale_height`: altitude over which the density falls by a factor e there, length, > 0
+    """
+
+    __slots__ = ()

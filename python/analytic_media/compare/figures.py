@@ -103,13 +103,13 @@ def bias_maps(references):
 
 def colours(methods):
     """Ours in red, delta tracking of the exact medium in black, a hue per grid."""
-    media = sorted({m["medium"] for m in methods.values() if m["medium"] != EXACT})
+    media = sorted({m["medium"] for m in methods.values() if isinstance(m["medium"], int)})
     hues = plt.get_cmap("viridis")(np.linspace(0.15, 0.75, max(len(media), 1)))
     return {
         key: "#c8102e"
         if key == OURS.key
         else "#222222"
-        if m["medium"] == EXACT
+        if isinstance(m["medium"], str)
         else hues[media.index(m["medium"])]
         for key, m in methods.items()
     }

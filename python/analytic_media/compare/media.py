@@ -48,13 +48,15 @@ class Component:
 class SceneMedium:
     """An `analytic` medium, which has one component, or an `overlap` of several.
 
-    `bbox` is None if the medium fills all of space; `max_density` is the density that stock
+    `bbox` is None if the medium fills all of space, and the box of `bsphere`, (centre, radius), if
+    it ends at a sphere; `max_density` is the density that stock
     integrators see at most, or None.
     """
 
     name: str
     components: list
     bbox: tuple | None
+    bsphere: tuple | None
     max_density: float | None
 
     @property
@@ -146,19 +148,20 @@ def vector(value):
 
 
 def read_bounds(props):
-    """(box or None, max_density or None)."""
+    """(box, sphere, max_density), each None if the medium has none."""
     name = props.id()
     max_density = float(props["max_density"]) if "max_density" in props else None
     for pair in (("bbox_min", "bbox_max"), ("bsphere_center", "bsphere_radius")):
         if (pair[0] in props) != (pair[1] in props):
             raise SceneError(f"medium '{name}': {pair[0]} and {pair[1]} go together")
     if "bbox_min" in props:
-        return (vector(props["bbox_min"]), vector(props["bbox_max"])), max_density
+        return (vector(props["bbox_min"]), vector(props["bbox_max"])), None, max_density
     if "bsphere_radius" in props:
         centre, radius = np.array(vector(props["bsphere_center"])), float(props["bsphere_radius"])
+        box = tuple(centre - radius), tuple(centre + radius)
         # Below its datum a planet's density goes beyond all bounds; stock integrators see 1.
-        return (tuple(centre - radius), tuple(centre + radius)), max_density or 1.0
-    return None, max_density
+        return box, (tuple(centre), radius), max_density or 1.0
+    return None, None, max_density
 
 
 def read_coefficients(props):

@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 EXACT = "exact"
+TRACKED = "tracked"
 
 
 @dataclass(frozen=True)
 class Method:
-    """`medium` is EXACT or the number of voxels along a side of the grid."""
+    """`medium` is EXACT, TRACKED (the same, with a boundary where stock integrators need one), or
+    the number of voxels along a side of the grid."""
 
     integrator: str
     medium: str | int
@@ -18,13 +20,18 @@ class Method:
 
     @property
     def label(self):
-        if self.medium == EXACT:
+        if not self.uses_grid:
             return f"{self.integrator}, exact medium"
         return f"{self.integrator}, {self.medium}³ grid"
 
     @property
     def uses_grid(self):
-        return self.medium != EXACT
+        return self.medium not in (EXACT, TRACKED)
+
+    @property
+    def converges_to(self):
+        """The medium whose reference image is the method's own."""
+        return self.medium if self.uses_grid else EXACT
 
 
 OURS = Method("analyticvolpath", EXACT)
@@ -34,7 +41,7 @@ def methods_for(variant, resolutions):
     """All methods that `variant` can run; volpathmis refuses polarised light."""
     stock = ["volpath"] if variant.endswith("polarized") else ["volpath", "volpathmis"]
     grids = [Method(name, n) for n in resolutions for name in stock]
-    return [OURS, *(Method(name, EXACT) for name in stock), *grids]
+    return [OURS, *(Method(name, TRACKED) for name in stock), *grids]
 
 
 def reference_integrator(medium, is_grey, variant):

@@ -170,7 +170,7 @@ def run_variant(options, variant, references, workers):
     methods = methods_for(variant, options.resolutions)
     exact = references[EXACT]
     timed = {m: Timed(workers.get(variant, m.medium), m.integrator) for m in methods}
-    runs = {m: Run(references[m.medium], exact) for m in methods}
+    runs = {m: Run(references[m.converges_to], exact) for m in methods}
 
     steps = len(methods) * (options.rounds + 1)
     with tqdm(total=steps, desc=variant, unit="image") as progress:

@@ -111,6 +111,58 @@ def without_media(state):
     return copy
 
 
+def enclosed(state):
+    """A copy in which media with chromatic extinction end at a shape that does not scatter.
+
+    Stock integrators take the length of a ray that leaves a medium without meeting a surface for
+    infinite, and its transmittance over probability, 0/0, for 0: all that is seen through the
+    medium is black.
+    """
+    copy = mi.parser.ParserState(state)
+    for number in analytic_nodes(copy):
+        medium = media.read_medium(copy, number)
+        if not medium.is_grey and not has_boundary(copy, number):
+            enclose(copy, number, medium.bbox, medium.bsphere)
+    return copy
+
+
+def has_boundary(state, number):
+    """Whether a shape refers to the medium."""
+    name = state.nodes[number].props.id()
+
+    def refers(value):
+        if isinstance(value, mi.Properties.ResolvedReference):
+            return value.index() == number
+        return isinstance(value, mi.Properties.Reference) and value.id() == name
+
+    return any(
+        refers(node.props[key])
+        for node in state.nodes
+        if node.type == mi.ObjectType.Shape
+        for key in node.props.keys()  # noqa: SIM118 (Properties is not a mapping)
+    )
+
+
+def enclose(state, number, bbox, bsphere=None):
+    """Puts the medium into the sphere, or into the box; nothing without either."""
+    if bsphere is not None:
+        props = mi.Properties("sphere")
+        props["center"], props["radius"] = mi.ScalarPoint3f(bsphere[0]), bsphere[1]
+    elif bbox is not None:
+        props = mi.Properties("cube")
+        lower, upper = np.asarray(bbox)
+        place = mi.ScalarTransform4f().translate(list((lower + upper) / 2))
+        props["to_world"] = place.scale(list((upper - lower) / 2))
+    else:
+        return
+    props["bsdf"] = append(state, mi.ObjectType.BSDF, mi.Properties("null"))
+    props["interior"] = mi.Properties.ResolvedReference(number)
+    shape = append(state, mi.ObjectType.Shape, props)
+    root = state.nodes[0].props
+    root[f"boundary_{number}"] = shape
+    state.nodes[0].props = root
+
+
 def voxelised(state, resolution, variant, folder, only=None):
     """A copy of the parsed scene with our media as grids of `resolution`³ voxels.
 
@@ -123,8 +175,11 @@ def voxelised(state, resolution, variant, folder, only=None):
         medium = media.read_medium(copy, number)
         if only is not None and medium.name not in only:
             continue
-        grids = media.grids(medium, medium_bbox(state, medium, variant), resolution)
+        bbox = medium_bbox(state, medium, variant)
+        grids = media.grids(medium, bbox, resolution)
         replace_node(copy, number, medium, grids, Path(folder), resolution)
+        if not medium.is_grey and not has_boundary(copy, number):
+            enclose(copy, number, bbox)
         pairs.append((medium, grids.extinction))
     if not pairs:
         wanted = f"with id in {sorted(only)} " if only else ""

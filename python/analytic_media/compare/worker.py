@@ -10,7 +10,7 @@ import time
 import traceback
 from dataclasses import dataclass, field
 
-from .methods import EXACT
+from .methods import EXACT, TRACKED
 
 # Samples per JIT launch, which bounds memory: a path's state takes some 200 bytes.
 LAUNCH_SAMPLES = 1 << 23
@@ -84,7 +84,9 @@ class _Renderer:
 
         state = twin.parse(job.scene, job.variant, job.parameters)
         self._depths = twin.integrator_parameters(state)
-        if job.resolution != EXACT:
+        if job.resolution == TRACKED:
+            state = twin.enclosed(state)
+        elif job.resolution != EXACT:
             state, _ = twin.voxelised(state, job.resolution, job.variant, job.folder)
             twin.set_integrator(state, "volpath")
         self._scene = twin.instantiate(state, job.variant)
