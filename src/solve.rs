@@ -98,7 +98,14 @@ impl<R: Real> Search<R> {
 
         let Bracket { low, high } = self.bracket;
         let bounded = high.is_bounded();
-        let middle = R::select(bounded, t.lit(0.5) * (low + high), t + t + one);
+        // Where next to nothing is left before a gap, the model leads beyond all other matter.
+        let leap = R::select(bounded | t.le(zero), next, t * t.lit(1e3));
+        let next = next.min(leap);
+        let middle = R::select(
+            bounded,
+            middle(low, R::select(bounded, high, low)),
+            t + t + one,
+        );
         let before = (modelled | far) & next.lt(low);
         let beyond = !(modelled | far) | high.lt(next) | !next.is_bounded();
         let untried = !self.high_tried & bounded & dense;
@@ -109,6 +116,14 @@ impl<R: Real> Search<R> {
         let exact = modelled & y.abs().lt(t.lit(0.1)) & near;
         Step { t: next, exact }
     }
+}
+
+/// Bisects the logarithm of a wide bracket: an end far beyond all matter is soon forgotten.
+fn middle<R: Real>(low: R, high: R) -> R {
+    let wide = (low * low.lit(8.0)).lt(high);
+    let end = R::select(wide, high, low.lit(1.0));
+    let ratio = (R::select(wide, low, end) / end).max(low.lit(1e-3));
+    R::select(wide, end * ratio.sqrt(), low.lit(0.5) * (low + high))
 }
 
 /// The t in the bracket with g(t) = `target` > 0, from the guess `t`.
@@ -135,13 +150,15 @@ pub fn increasing<R: Real>(
     let mut stride = t.lit(0.0);
     for _ in 0..limits.steps {
         let missing = goal - value(t);
+        let rest = missing.abs();
+        // Where nothing is missing, the density may vanish, and a step lead anywhere.
+        done = done | rest.le(rounding);
         search.narrow(t, t.lit(0.0).lt(missing));
         let next = search.step(t, goal, missing, slopes(t));
         stride = R::select(done, stride, (next.t - t).abs());
         let moved = (t * t.unit_roundoff()).lt((next.t - t).abs());
         t = R::select(done, t, next.t);
-        let rest = missing.abs();
-        done = done | (rest.le(tolerance) & next.exact) | rest.le(rounding) | !moved;
+        done = done | (rest.le(tolerance) & next.exact) | !moved;
         if !(!done).any() {
             break;
         }

@@ -34,6 +34,9 @@ fn profiles() -> Vec<(Kind, Vec<f64>)> {
         (Kind::Spherical, planet(10.0, 1.0)),
         (Kind::Spherical, planet(1e4, 3.0)),
         (Kind::Spherical, planet(0.5, 2.0)),
+        (Kind::Tent, [planet(10.0, 2.0), vec![1.5]].concat()),
+        (Kind::Tent, [planet(1e4, 1.0), vec![8.0]].concat()),
+        (Kind::Tent, [planet(0.5, -0.25), vec![3.0]].concat()),
         (Kind::Gaussian, vec![0.5, 0.25, 1.0, 1.0]),
         (Kind::Gaussian, vec![0.0, -2.0, 0.0, 5.0]),
         (Kind::Gaussian, vec![1.0, -1.0, 0.0, 1e9]),
@@ -115,7 +118,7 @@ impl<R: Scalar> Case<R> {
         let v = &self.values;
         let gaussian = |sigma: f64| extent.min(38.0 * sigma) / (sigma * sigma);
         match self.kind {
-            Kind::Constant | Kind::Linear => 0.0,
+            Kind::Constant | Kind::Linear | Kind::Tent => 0.0,
             Kind::Exponential | Kind::Spherical => 1.0 / v[4],
             Kind::Gaussian => gaussian(v[3]),
             Kind::AnisotropicGaussian => gaussian(0.5),
@@ -133,6 +136,14 @@ impl<R: Scalar> Case<R> {
                     unreachable!("a linear profile has a gradient and a density")
                 };
                 return self.roundoff() * t * (density.abs() + gradient.abs() * extent);
+            }
+            Kind::Tent => {
+                let [.., radius, height, width] = self.values[..] else {
+                    unreachable!("a tent has a radius, a height and a width")
+                };
+                // The path through the layer is at most a chord.
+                let path = t.min(4.0 * ((radius + height.abs()) * width).sqrt() + 4.0 * width);
+                return self.roundoff() * path * (1.0 + (extent + height.abs()) / width);
             }
             _ => 1.0 + extent * self.steepness(extent),
         };
@@ -331,8 +342,8 @@ fn check_slope<R: Scalar>(case: &Case<R>) {
             continue;
         }
         let rounding = 16.0 * case.uncertainty(t, column) / width;
-        // ρ″/ρ is about the square of the steepness; a clamped ramp has a kink.
-        let kink = if case.kind == Kind::Linear {
+        // ρ″/ρ is about the square of the steepness; ramps have kinks.
+        let kink = if matches!(case.kind, Kind::Linear | Kind::Tent) {
             2.0 * width
         } else {
             0.0
@@ -430,6 +441,11 @@ fn wild_profile(random: &mut Random) -> (Kind, Vec<f64>, f64) {
         Kind::Spherical | Kind::RadialGaussian => {
             let radius = random.magnitude(1e-3, 1e9);
             [&up.map(|x| -x * radius)[..], &[radius, height]].concat()
+        }
+        Kind::Tent => {
+            let radius = random.magnitude(1e-3, 1e9);
+            let width = random.magnitude(1e-3, 1e9);
+            [&up.map(|x| -x * radius)[..], &[radius, base, width]].concat()
         }
         Kind::Gaussian => vec![base, 0.0, -base, height],
         Kind::AnisotropicGaussian => [&[0.0, base, 0.0][..], &random.axes(1e-3, 1e9)[..]].concat(),

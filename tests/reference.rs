@@ -266,6 +266,11 @@ fn condition(row: &Value) -> f64 {
             };
             (number(&p["a"]).abs() * extent + number(&p["k"]).abs()) / sup
         }
+        Some("sphere_tent") => {
+            let sup = number(&row["sup"]);
+            let radius = number(&p["R"]) + number(&p["h_c"]);
+            (extent + radius) / number(&p["w"]) / if sup > 0.0 { sup } else { 1.0 }
+        }
         // Where the supremum lies in the tail, the exponent itself is large.
         Some("gaussian") => {
             let (sigma, center) = (number(&p["s"]), largest_of(&p["c"]));

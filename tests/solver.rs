@@ -88,6 +88,7 @@ fn solve<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) -> Ste
         // Altitudes are rounded like the radius of the planet they are counted from.
         let scale = components.iter().map(|(kind, values, _)| match kind {
             Kind::Spherical => values[3] / values[4],
+            Kind::Tent => values[3] / values[5],
             _ => 0.0,
         });
         let condition = 100.0 + 16.0 * scale.fold(0.0, f64::max);

@@ -16,6 +16,13 @@
 //!     h(t) − h(0) = t (2 x₁ + t)/(r + r(t)),   r(t) = √(p² + (x₁ + t)²)   (2)
 //!     h(0) − h_p  = x₁²/(r + p)                                          (3)
 //!
+//! The ray's line crosses the shell at the altitude h_s, of radius r_s, at
+//!
+//!     t = −x₁ ∓ X,   X = √((h_s − h_p)(r_s + p)),   t₋ t₊ = (h(0) − h_s)(r + r_s)   (4)
+//!
+//! (draft, Eq. 46–47, where X comes from a difference of squares). The sum of like signs gives one
+//! of the roots, their product the other, so neither cancels.
+//!
 //! `tests/geometry.rs` states the errors.
 
 use super::{Ray, Vector, dot, norm};
@@ -184,6 +191,81 @@ impl<R: Real> Passage<R> {
         let some = sum.lit(0.0).lt(sum);
         let sum = R::select(some, sum, sum.lit(1.0));
         self.along * (self.along / sum)
+    }
+}
+
+impl<R: Real> Passage<R> {
+    /// (4): where the line crosses the shell at `altitude`, inwards and outwards; negative
+    /// behind the start. The mask is set if it does.
+    pub fn crossings(&self, altitude: R) -> (R, R, R::Mask) {
+        let (zero, one) = (altitude.lit(0.0), altitude.lit(1.0));
+        let gap = altitude - self.altitude;
+        let shell = self.radius + gap;
+        let above = gap + self.depth();
+        let crosses = zero.le(above) & zero.le(shell);
+        let half = above.max(zero).sqrt() * (shell + self.perigee).max(zero).sqrt();
+
+        let behind = zero.le(self.along);
+        let sum = self.along.abs() + half;
+        let some = zero.lt(sum);
+        let other = gap * ((self.radius + shell) / R::select(some, sum, one));
+        let inwards = R::select(behind, -sum, -other);
+        let outwards = R::select(behind, other, sum);
+        (inwards, outwards, crosses)
+    }
+}
+
+/// A piece of a ray that leads outwards, seen from its inner end.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<R> {
+    /// Altitude of the inner end.
+    pub altitude: R,
+    /// Altitude of the outer end; may be infinite.
+    pub outer: R,
+    /// Distance of the inner end from the centre.
+    pub radius: R,
+    /// Distance of the inner end from the perigee, ≥ 0.
+    pub along: R,
+    /// Distance of the ray's line from the centre.
+    pub perigee: R,
+    /// How much higher the outer end is, ≥ 0; may be infinite.
+    pub climb: R,
+}
+
+impl<R: Real> Passage<R> {
+    /// The segment of length `t`, which may be infinite, in pieces that lead outwards: one, or two
+    /// where the mask is set, for the segment passes its perigee.
+    pub fn pieces(&self, t: R) -> (Piece<R>, Piece<R>, R::Mask) {
+        let (zero, infinity) = (t.lit(0.0), t.lit(f64::INFINITY));
+        let finite = t.is_bounded();
+        let length = R::select(finite, t, zero);
+        let end = self.along + length;
+        let inwards = self.along.lt(zero);
+        let turns = inwards & (zero.lt(end) | !finite);
+        let falls = inwards & !turns;
+
+        let (depth, rise, radius) = (self.depth(), self.rise(length), self.radius_at(length));
+        let end_altitude = R::select(finite, self.altitude + rise, infinity);
+        let pick = |at_perigee, at_end, at_start| {
+            R::select(turns, at_perigee, R::select(falls, at_end, at_start))
+        };
+        let first = Piece {
+            altitude: self.altitude + pick(-depth, rise, zero),
+            outer: R::select(inwards, self.altitude, end_altitude),
+            radius: pick(self.perigee, radius, self.radius),
+            along: pick(zero, -end, self.along),
+            perigee: self.perigee,
+            climb: pick(depth, -rise, R::select(finite, rise, infinity)).max(zero),
+        };
+        let sum = radius + self.perigee;
+        let some = zero.lt(sum);
+        let above = end * (end / R::select(some, sum, t.lit(1.0)));
+        let second = Piece {
+            outer: end_altitude,
+            climb: R::select(finite, above, infinity),
+            ..first
+        };
+        (first, second, turns)
     }
 }
 

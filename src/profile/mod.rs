@@ -12,6 +12,7 @@ pub mod gaussian;
 pub mod linear;
 pub mod radial_gaussian;
 pub mod spherical;
+pub mod tent;
 
 use crate::error::Error;
 use crate::geometry::{Ray, Vector};
@@ -185,6 +186,8 @@ profiles! {
     Exponential<R> = 2, "exponential", in exponential;
     /// ρ exponential in altitude above a sphere.
     Spherical<R> = 3, "spherical", in spherical;
+    /// ρ linear in altitude above a sphere, on both sides of a peak.
+    Tent<R> = 4, "tent", in tent;
     /// ρ Gaussian in the distance from a point.
     Gaussian<R> = 5, "gaussian", in gaussian;
     /// ρ Gaussian along three axes.

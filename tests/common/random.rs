@@ -109,7 +109,9 @@ impl Random {
 
     fn component(&mut self) -> (Kind, Vec<f64>, f64) {
         let sigma = self.magnitude(1e-3, 10.0);
-        let kind = self.pick(Kind::ALL);
+        // Gaps and kinks of tents need more steps than sums of smooth profiles.
+        let smooth = Kind::ALL.iter().copied().filter(|kind| *kind != Kind::Tent);
+        let kind = self.pick(&smooth.collect::<Vec<_>>());
         let up = if self.unit() < 0.5 {
             [0.0, 0.0, 1.0]
         } else {
@@ -131,6 +133,7 @@ impl Random {
             Kind::Spherical | Kind::RadialGaussian => {
                 [&planet[..], &[radius + center[0].min(0.0), scale]].concat()
             }
+            Kind::Tent => [&planet[..], &[radius, center[0], scale]].concat(),
             Kind::Gaussian => [&center[..], &[scale]].concat(),
             Kind::AnisotropicGaussian => [&center[..], &self.axes(0.1, 100.0)].concat(),
         };

@@ -36,6 +36,10 @@ pub fn profile(value: &Value) -> Option<(Kind, Vec<f64>)> {
             let numbers = [number(&value["h0"]), number(&value["H"])];
             Some((Kind::Exponential, [up(), numbers.to_vec()].concat()))
         }
+        "sphere_tent" => {
+            let numbers = ["R", "h_c", "w"].map(|name| number(&value[name]));
+            Some((Kind::Tent, [&point(&value["c"])[..], &numbers].concat()))
+        }
         "gaussian" => {
             let center = point(&value["c"]).to_vec();
             Some((Kind::Gaussian, [center, vec![number(&value["s"])]].concat()))
