@@ -200,7 +200,6 @@ def test_mixture_samples_what_it_evaluates(variant):
 @llvm_ad_rgb
 @pytest.mark.parametrize("height", [-1.0, 0.5, 3.0])
 def test_mixture_passes_chi_square(variant, height):
-    import drjit as dr
     import mitsuba.chi2
 
     medium, ctx = coloured(), mi.PhaseFunctionContext()
