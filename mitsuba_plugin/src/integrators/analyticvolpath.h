@@ -203,7 +203,9 @@ private:
         UnpolarizedSpectrum chance = 0.f;
         if (found.chromatic || found.foreign)
             u_channel = path.sampler->next_1d(in_medium);
-        Float u = found.media() ? path.sampler->next_1d(in_medium) : Float(0.f);
+        Vector4f u = 0.f;
+        for (size_t i = 0; i < found.variates(); ++i)
+            u[i] = path.sampler->next_1d(in_medium);
         if (dr::any_or<true>(in_ours) && found.analytic)
             dr::masked(t, in_ours) =
                 analytic->sample_flight(path.ray, throughput, u_channel, u, in_ours);
@@ -215,7 +217,7 @@ private:
             } else {
                 chance[0] = 1.f; // stock media know the first wavelength only
             }
-            v.mi = path.medium->sample_interaction(path.ray, u, channel, in_foreign);
+            v.mi = path.medium->sample_interaction(path.ray, u[0], channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
         }
 

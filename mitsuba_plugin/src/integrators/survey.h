@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <algorithm>
+
 #include <mitsuba/render/bsdf.h>
 #include <mitsuba/render/medium.h>
 #include <mitsuba/render/scene.h>
@@ -11,6 +13,9 @@
 #include "media/formula.h"
 
 namespace mitsuba {
+
+/// Uniform variates of a flight.
+constexpr size_t MaxVariates = 4;
 
 /// Which kinds of media and boundaries occur in a scene.
 struct Survey {
@@ -22,10 +27,14 @@ struct Survey {
     bool chromatic = false;
     /// Some surface lets light through without scattering it, or bounds a medium.
     bool permeable = false;
+    /// The most components that a medium of ours has.
+    size_t components = 0;
     /// Light samples per vertex: sun and sky get one each.
     uint32_t emitter_samples = 1;
 
     bool media() const { return analytic || foreign; }
+    /// Uniform variates that a flight takes.
+    size_t variates() const { return std::min(std::max(components, size_t(foreign)), MaxVariates); }
 };
 
 /// Looks at every shape and sensor of `scene`, and at the medium that rays start in.
@@ -36,8 +45,9 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
     auto look_at = [&](const Medium *medium) {
         if (!medium)
             return;
-        if (dynamic_cast<const FormulaMedium<Float, Spectrum> *>(medium)) {
+        if (auto *ours = dynamic_cast<const FormulaMedium<Float, Spectrum> *>(medium)) {
             found.analytic = true;
+            found.components = std::max(found.components, ours->components());
             found.chromatic |= medium->has_spectral_extinction();
         } else {
             found.foreign = true;
@@ -49,7 +59,7 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
         look_at(sensor->medium());
     for (const auto &shape : scene->shapes()) {
         if (shape->is_instance()) // of a group, which does not tell what it holds
-            return { true, true, true, true, found.emitter_samples };
+            return { true, true, true, true, MaxVariates, found.emitter_samples };
         look_at(shape->interior_medium());
         look_at(shape->exterior_medium());
         found.permeable |= shape->is_medium_transition() ||

@@ -64,14 +64,22 @@ public:
     /// True. Stock media answer the same call with false.
     bool is_analytic() const { return true; }
 
+    /// Number of components.
+    size_t components() const { return m_components.size(); }
+
     /**
      * Distance of the next collision on `ray`, infinite if there is none in the medium.
      *
+     * Components collide independently of each other, so the first of their collisions is that of
+     * the sum, and a component needs an inverse only if it comes before those found so far. What
+     * there are more than variates are taken for one, whose optical depth is the sum of theirs.
+     *
      * \param throughput  of the path so far: the channel to sample is chosen in proportion to it
-     * \param u_channel, u  uniform variates in [0, 1)
+     * \param u_channel  uniform variate in [0, 1)
+     * \param u  uniform variates in [0, 1), as many as there are components
      */
     Float sample_flight(const Ray3f &ray, const UnpolarizedSpectrum &throughput, Float u_channel,
-                        Float u, Mask active) const {
+                        const Vector4f &u, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         UInt32 channel = 0;
@@ -80,25 +88,30 @@ public:
 
         auto [hit, near, far] = m_extent.clip(ray);
         near = dr::select(hit, near, 0.f);
-        const Float tau = -dr::log(1.f - u);
-        Float sum = 0.f, t;
-        if (m_components.size() == 1) {
-            sum = of_channel(m_components[0]->sigma_t(mi, active), channel);
-            t = m_components[0]->profile().inv_column(ray(near), ray.d, tau / sum);
-        } else {
+        const Point3f o = ray(near);
+        Float t = dr::select(hit, far - near, 0.f);
+        Mask collides = false;
+        auto find = [&](const Float &next) {
+            collides |= next < t;
+            t = dr::minimum(t, next);
+        };
+        const size_t count = m_components.size(), alone = count > dr::size_v<Vector4f> ? 3 : count;
+        for (size_t i = 0; i < alone; ++i) {
+            const Float sigma_t = of_channel(m_components[i]->sigma_t(mi, active), channel);
+            find(next_collision(m_components[i]->profile(), o, ray.d, t, optical_depth(u[i]),
+                                sigma_t, i == 0));
+        }
+        if (alone < count) {
             std::vector<const Profile<Float, Spectrum> *> profiles;
             std::vector<Float> sigma_t;
-            for (const ref<Component> &component : m_components) {
-                profiles.push_back(&component->profile());
-                sigma_t.push_back(of_channel(component->sigma_t(mi, active), channel));
-                sum += sigma_t.back();
+            for (size_t i = alone; i < count; ++i) {
+                profiles.push_back(&m_components[i]->profile());
+                sigma_t.push_back(of_channel(m_components[i]->sigma_t(mi, active), channel));
             }
-            const Float length = dr::select(hit, far - near, 0.f);
-            t = Profile<Float, Spectrum>::free_flight(profiles, sigma_t, ray(near), ray.d, length,
-                                                      tau);
+            find(Profile<Float, Spectrum>::free_flight(profiles, sigma_t, o, ray.d, t,
+                                                       optical_depth(u[alone])));
         }
-        t += near;
-        return dr::select(active && hit && t < far && sum > 0.f, t, dr::Infinity<Float>);
+        return dr::select(active && hit && collides, near + t, dr::Infinity<Float>);
     }
 
     /**
@@ -174,6 +187,22 @@ private:
         dr::make_opaque(m_max_density);
         for (ref<Component> &component : m_components)
             component->find_bound(m_extent, m_max_density);
+    }
+
+    /// Of a flight, from a uniform variate.
+    static Float optical_depth(const Float &u) { return -dr::log(1.f - u); }
+
+    /// Where one component gathers the optical depth `tau`; any distance beyond `t_max`, if that
+    /// comes first. `likely`: there is no point in finding that out before.
+    static Float next_collision(const Profile<Float, Spectrum> &profile, const Point3f &o,
+                                const Vector3f &d, const Float &t_max, const Float &tau,
+                                const Float &sigma_t, bool likely) {
+        const Float column = tau / sigma_t;
+        if constexpr (!dr::is_jit_v<Float>) {
+            if (!(sigma_t > 0.f) || (!likely && profile.column(o, d, t_max) < column))
+                return dr::Infinity<Float>;
+        }
+        return dr::select(sigma_t > 0.f, profile.inv_column(o, d, column), dr::Infinity<Float>);
     }
 
     /// What coefficients are evaluated at.
