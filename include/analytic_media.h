@@ -70,19 +70,14 @@ typedef struct am_profile {
   double values[AM_PROFILE_VALUES];
 } am_profile;
 
-// A medium: `n_components` profiles, each with an attenuation coefficient per channel
-// (wavelength, colour). It borrows the arrays.
-typedef struct am_medium {
-  // The profiles.
-  const struct am_profile *profiles;
-  // Attenuation coefficients at relative density 1, 1/length, ≥ 0: those of the first
-  // component for all channels, then those of the second, and so on.
-  const double *sigma_t;
-  // Number of components, at least 1.
-  size_t n_components;
-  // Number of channels, at least 1.
-  size_t n_channels;
-} am_medium;
+// The sphere that altitudes are counted from. In single precision altitudes are best known
+// where the origin of coordinates is on the surface and the centre on an axis.
+typedef struct am_planet {
+  // Centre, a point.
+  double center[3];
+  // Radius, length > 0.
+  double radius;
+} am_planet;
 
 // Numbers or points in the memory of the caller: item `i` starts at
 // `data[i * stride]`, and the three components of a point follow each other.
@@ -158,6 +153,28 @@ typedef struct am_host_table {
   am_node (*select)(void *tape, am_node p, am_node a, am_node b);
 } am_host_table;
 
+// A planet whose centre and radius are slots of a host's tape.
+typedef struct am_planet_nodes {
+  // Slots of the centre.
+  am_node center[3];
+  // Slot of the radius.
+  am_node radius;
+} am_planet_nodes;
+
+// A medium: `n_components` profiles, each with an attenuation coefficient per channel
+// (wavelength, colour). It borrows the arrays.
+typedef struct am_medium {
+  // The profiles.
+  const struct am_profile *profiles;
+  // Attenuation coefficients at relative density 1, 1/length, ≥ 0: those of the first
+  // component for all channels, then those of the second, and so on.
+  const double *sigma_t;
+  // Number of components, at least 1.
+  size_t n_components;
+  // Number of channels, at least 1.
+  size_t n_channels;
+} am_medium;
+
 // A profile whose parameters are slots of a host's tape, so that they can change without
 // recording again, and carry derivatives.
 typedef struct am_profile_nodes {
@@ -218,6 +235,210 @@ am_status am_profile_parameter(uint32_t kind, uint32_t index, struct am_paramete
 // # Safety
 // `profile` points to one struct.
 am_status am_profile_check(const struct am_profile *profile);
+
+// Checks a planet. The questions below check it as well.
+//
+// # Safety
+// `planet` points to one struct.
+am_status am_planet_check(const struct am_planet *planet);
+
+// Altitude of a point above the surface: a length, negative below it.
+//
+// # Safety
+// `planet` points to one struct, `point` to three numbers, `altitude` to one.
+am_status am_planet_altitude_f64(const struct am_planet *planet,
+                                 const double *point,
+                                 double *altitude);
+
+// `am_planet_altitude_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_planet_altitude_f32(const struct am_planet *planet,
+                                 const float *point,
+                                 float *altitude);
+
+// `am_planet_altitude_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_altitude_batch_f64(const struct am_planet *planet,
+                                       size_t n,
+                                       struct am_array_f64 point,
+                                       double *altitude);
+
+// `am_planet_altitude_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_altitude_batch_f32(const struct am_planet *planet,
+                                       size_t n,
+                                       struct am_array_f32 point,
+                                       float *altitude);
+
+// `am_planet_altitude_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_planet_altitude_record(const struct am_host_table *host,
+                                    const struct am_planet_nodes *planet,
+                                    const am_node *point,
+                                    am_node *altitude);
+
+// Cosine of the zenith angle of the horizon that is seen from a point: rays that lead
+// further down hit the planet. 0 on the surface and below it.
+//
+// # Safety
+// `planet` points to one struct, `point` to three numbers, `cos_zenith` to one.
+am_status am_planet_horizon_f64(const struct am_planet *planet,
+                                const double *point,
+                                double *cos_zenith);
+
+// `am_planet_horizon_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_planet_horizon_f32(const struct am_planet *planet,
+                                const float *point,
+                                float *cos_zenith);
+
+// `am_planet_horizon_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_horizon_batch_f64(const struct am_planet *planet,
+                                      size_t n,
+                                      struct am_array_f64 point,
+                                      double *cos_zenith);
+
+// `am_planet_horizon_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_horizon_batch_f32(const struct am_planet *planet,
+                                      size_t n,
+                                      struct am_array_f32 point,
+                                      float *cos_zenith);
+
+// `am_planet_horizon_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_planet_horizon_record(const struct am_host_table *host,
+                                   const struct am_planet_nodes *planet,
+                                   const am_node *point,
+                                   am_node *cos_zenith);
+
+// Distance at which a ray enters the planet, a length ≥ 0; infinite if it never does.
+// From the surface or below it, a ray that leads down is in at once, one that leads up
+// leaves. `direction` is a unit vector.
+//
+// # Safety
+// `planet` points to one struct, `origin` and `direction` to three numbers, `t` to one.
+am_status am_planet_hit_f64(const struct am_planet *planet,
+                            const double *origin,
+                            const double *direction,
+                            double *t);
+
+// `am_planet_hit_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_planet_hit_f32(const struct am_planet *planet,
+                            const float *origin,
+                            const float *direction,
+                            float *t);
+
+// `am_planet_hit_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_hit_batch_f64(const struct am_planet *planet,
+                                  size_t n,
+                                  struct am_array_f64 origin,
+                                  struct am_array_f64 direction,
+                                  double *t);
+
+// `am_planet_hit_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_hit_batch_f32(const struct am_planet *planet,
+                                  size_t n,
+                                  struct am_array_f32 origin,
+                                  struct am_array_f32 direction,
+                                  float *t);
+
+// `am_planet_hit_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_planet_hit_record(const struct am_host_table *host,
+                               const struct am_planet_nodes *planet,
+                               const am_node *origin,
+                               const am_node *direction,
+                               am_node *t);
+
+// Where a ray is below the shell at an altitude, for example inside an atmosphere that
+// ends there: the distances of entrance, 0 if it starts inside, and exit; infinite both
+// if it never is. `direction` is a unit vector.
+//
+// # Safety
+// `planet` points to one struct, `origin` and `direction` to three numbers, `enter` and
+// `leave` to one.
+am_status am_planet_shell_f64(const struct am_planet *planet,
+                              const double *origin,
+                              const double *direction,
+                              double altitude,
+                              double *enter,
+                              double *leave);
+
+// `am_planet_shell_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_planet_shell_f32(const struct am_planet *planet,
+                              const float *origin,
+                              const float *direction,
+                              float altitude,
+                              float *enter,
+                              float *leave);
+
+// `am_planet_shell_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_shell_batch_f64(const struct am_planet *planet,
+                                    size_t n,
+                                    struct am_array_f64 origin,
+                                    struct am_array_f64 direction,
+                                    struct am_array_f64 altitude,
+                                    double *enter,
+                                    double *leave);
+
+// `am_planet_shell_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_planet_shell_batch_f32(const struct am_planet *planet,
+                                    size_t n,
+                                    struct am_array_f32 origin,
+                                    struct am_array_f32 direction,
+                                    struct am_array_f32 altitude,
+                                    float *enter,
+                                    float *leave);
+
+// `am_planet_shell_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_planet_shell_record(const struct am_host_table *host,
+                                 const struct am_planet_nodes *planet,
+                                 const am_node *origin,
+                                 const am_node *direction,
+                                 am_node altitude,
+                                 am_node *enter,
+                                 am_node *leave);
 
 // Checks profiles and coefficients of a medium. The questions below check counts, kinds
 // and pointers only: they answer a medium that does not pass with NaN or nonsense, but

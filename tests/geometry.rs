@@ -186,3 +186,85 @@ fn boxes_around_the_planet_and_without_end() {
     );
     assert_eq!(high, f64::INFINITY);
 }
+
+/// Where rays meet the ground and the top of the atmosphere, to what one rounding of the
+/// coordinates does to it. Rays are lowered until they graze.
+#[test]
+fn crossings_keep_their_digits() {
+    let (sphere, top) = (planet(6371.0), 100.0);
+    let mut random = Random::with_seed(5);
+    let mut met = [0; 2];
+    for _ in 0..100_000 {
+        let ray = exact_ray(&mut random, 6371.0, 100.0, (METRE, 90.0));
+        let rounded = common::random::ray(&ray, |x| x as f32);
+        let half = |altitude: f64| {
+            let passage = sphere.passage(&ray);
+            let (inwards, outwards, _) = passage.crossings(altitude);
+            (outwards - inwards) / 2.0
+        };
+        // A crossing moves by δr · r/X: by metres at a grazing angle.
+        let moves = |altitude: f64| 4e-7 * (100.0 + 6371.0 * 100.0 / half(altitude));
+        let (enter, exit) = sphere.shell(&ray, top);
+        let (got_enter, got_exit) = single(&sphere).shell(&rounded, top as f32);
+        assert_eq!((enter, got_enter), (0.0, 0.0));
+        let error = (f64::from(got_exit) / exit - 1.0).abs();
+        assert!(error <= 2e-6, "{got_exit} {exit} {ray:?}");
+        met[0] += 1;
+
+        let (exact, got) = (sphere.hit(&ray), f64::from(single(&sphere).hit(&rounded)));
+        if exact.is_finite() && half(0.0) > 10.0 {
+            assert!((got - exact).abs() <= moves(0.0), "{got} {exact} {ray:?}");
+            let altitude = sphere.altitude(ray.at(exact));
+            // Directions are unit vectors to single precision.
+            assert!(altitude.abs() < 2e-7 * exact, "{altitude} at {exact}");
+            met[1] += 1;
+        }
+    }
+    assert!(met[1] > 10_000, "{met:?}");
+}
+
+/// The horizon parts the rays that hit the planet from those that do not.
+#[test]
+fn the_horizon_parts_rays() {
+    let sphere = planet(6371.0);
+    for altitude in [1e-6, 1e-3, 1.0, 400.0, 1e6] {
+        let point = [0.0, 0.0, altitude];
+        let mu = sphere.horizon(point);
+        let expected = -(1.0 - (6371.0f64 / (6371.0 + altitude)).powi(2)).sqrt();
+        assert!((mu / expected - 1.0).abs() < 1e-6, "{mu} {expected}");
+        let got = f64::from(single(&sphere).horizon(point.map(|x| x as f32)));
+        assert!((got / mu - 1.0).abs() < 4e-7, "{got} {mu}");
+        for (factor, hits) in [(1.0 - 1e-6, false), (1.0 + 1e-6, true)] {
+            let cosine = (mu * factor).max(-1.0);
+            let direction = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
+            let ray = Ray {
+                origin: point,
+                direction,
+            };
+            assert_eq!(sphere.hit(&ray).is_finite(), hits, "{altitude} {factor}");
+        }
+    }
+    assert!(sphere.horizon([0.0, 0.0, -1.0]).abs() < 1e-100);
+}
+
+#[test]
+fn rays_from_the_ground_and_from_space() {
+    let sphere = planet(100.0);
+    let from = |z: f64, down: bool| Ray {
+        origin: [0.0, 0.0, z],
+        direction: [0.0, 0.0, if down { -1.0 } else { 1.0 }],
+    };
+    assert_eq!(sphere.hit(&from(0.0, false)), f64::INFINITY);
+    assert_eq!(sphere.hit(&from(-1.0, false)), f64::INFINITY);
+    assert_eq!(sphere.hit(&from(0.0, true)), 0.0);
+    assert_eq!(sphere.hit(&from(-1.0, true)), 0.0);
+    assert_eq!(sphere.hit(&from(5.0, true)), 5.0);
+    assert_eq!(sphere.shell(&from(50.0, true), 20.0), (30.0, 270.0));
+    assert_eq!(
+        sphere.shell(&from(50.0, false), 20.0),
+        (f64::INFINITY, f64::INFINITY)
+    );
+    assert_eq!(sphere.shell(&from(5.0, false), 20.0), (0.0, 15.0));
+    let far = f64::INFINITY;
+    assert_eq!(sphere.shell(&from(5.0, false), -200.0), (far, far));
+}

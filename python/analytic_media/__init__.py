@@ -12,6 +12,7 @@ the package makes its plugins known to Mitsuba, where that is installed.
 from . import jit, presets
 from ._native import version as _version
 from ._plugins import register as _register
+from .geometry import Planet
 from .medium import Medium
 from .presets import earth, height_fog, mars, titan
 from .profiles import (
@@ -33,6 +34,7 @@ __all__ = [
     "Gaussian",
     "Linear",
     "Medium",
+    "Planet",
     "Profile",
     "RadialGaussian",
     "Spherical",

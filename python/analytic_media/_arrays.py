@@ -40,6 +40,11 @@ def amount(name, value) -> Argument:
     return Argument(name, value, (), _check_amount)
 
 
+def number(name, value) -> Argument:
+    """Finite numbers."""
+    return Argument(name, value, (), _check_finite)
+
+
 def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
     """Segments: origins, directions and lengths."""
     return point("o", o), direction("d", d), amount("t", t)

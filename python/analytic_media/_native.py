@@ -169,6 +169,13 @@ def medium(profiles: Sequence[Model], sigma_t: np.ndarray) -> Model:
     return Model("medium", pointer, (structs, numbers))
 
 
+def planet(center: Sequence[float], radius: float) -> Model:
+    """A sphere that altitudes are counted from; ValueError if bad."""
+    pointer = _ffi.new("am_planet *", [list(center), radius])
+    _check(_lib.am_planet_check(pointer))
+    return Model("planet", pointer)
+
+
 # ---- Arrays ----------------------------------------------------------------------------------
 
 _FORMS = {np.dtype(np.float32): ("f32", "float"), np.dtype(np.float64): ("f64", "double")}

@@ -14,6 +14,7 @@
 mod arg;
 mod array;
 mod describe;
+mod geometry;
 mod medium;
 mod profile;
 mod query;
@@ -22,6 +23,7 @@ mod status;
 pub use crate::real::node::{AmHostTable, AmNode};
 pub use array::{AmArrayF32, AmArrayF64};
 pub use describe::*;
+pub use geometry::*;
 pub use medium::*;
 pub use profile::*;
 pub use status::*;

@@ -160,6 +160,39 @@ impl<R: Real> Sphere<R> {
         (low, high)
     }
 
+    /// The distance at which the ray enters the planet, and infinity if it never does. From
+    /// the surface or below it, a ray that leads down is in at once, one that leads up leaves.
+    pub fn hit(&self, ray: &Ray<R>) -> R {
+        let passage = self.passage(ray);
+        let zero = self.radius.lit(0.0);
+        let (inwards, _, crosses) = passage.crossings(zero);
+        let hits = crosses & passage.along.lt(zero);
+        R::select(hits, inwards.max(zero), zero.lit(f64::INFINITY))
+    }
+
+    /// Where the ray is below the shell at `altitude`: the distances of entrance, 0 if it
+    /// starts there, and exit; infinite both if it never is.
+    pub fn shell(&self, ray: &Ray<R>, altitude: R) -> (R, R) {
+        let (inwards, outwards, crosses) = self.passage(ray).crossings(altitude);
+        let (zero, infinity) = (altitude.lit(0.0), altitude.lit(f64::INFINITY));
+        let meets = crosses & zero.le(outwards);
+        let enter = R::select(meets, inwards.max(zero), infinity);
+        (enter, R::select(meets, outwards, infinity))
+    }
+
+    /// μ of the horizon, −√(1 − R²/r²): rays from `point` that lead further down hit the
+    /// planet. 0 on the surface, and below it, where there is no horizon.
+    pub fn horizon(&self, point: Vector<R>) -> R {
+        let altitude = self.altitude(point).max(self.radius.lit(0.0));
+        let radius = self.radius + altitude;
+        let height = altitude.max(altitude.lit(if altitude.digits() <= 24 {
+            1e-37
+        } else {
+            1e-300
+        }));
+        -(height.sqrt() * ((radius + self.radius) / radius).sqrt()) / radius.sqrt()
+    }
+
     /// The same sphere without derivatives.
     pub fn detach(&self) -> Self {
         Self {

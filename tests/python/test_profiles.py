@@ -18,6 +18,13 @@ PROFILES = [
     am.Linear(gradient=0.02, density=-0.1),
     am.Exponential(scale_height=8, base_height=-3),
     am.Exponential(scale_height=0.5, up=TILTED),
+    am.Spherical(center=(0, 0, -40), radius=40, scale_height=8),
+    am.Tent(center=(0, 0, -40), radius=40, height=6, width=12),
+    am.Gaussian(center=(1, 2, 3), sigma=5),
+    am.AnisotropicGaussian(
+        center=(1, -2, 0), axis_u=(6, 0, 8), axis_v=(0, 8, 0), axis_w=(-4.8, 0, 3.6)
+    ),
+    am.RadialGaussian(center=(0, 0, -40), radius=40, scale_height=8),
 ]
 each_profile = pytest.mark.parametrize("profile", PROFILES, ids=repr)
 each_float = pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=["f64", "f32"])
@@ -29,7 +36,9 @@ each_float = pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=["f6
 def test_every_kind_of_the_library_has_a_class():
     classes = {cls._kind.number: cls for cls in am.Profile.__subclasses__()}
     for kind in _native.kinds():
-        assert classes[kind.number].__name__.lower() == kind.name
+        words = kind.name.split("_")
+        assert classes[kind.number].__name__ == "".join(word.capitalize() for word in words)
+        assert classes[kind.number].__doc__
 
 
 def test_names_orders_and_defaults_come_from_the_library():
