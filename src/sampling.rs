@@ -11,7 +11,7 @@ use crate::geometry::Ray;
 use crate::medium::{Medium, attenuate, opacity, transmittance};
 use crate::profile::Profile;
 use crate::real::Real;
-use crate::solve::{self, Bracket};
+use crate::solve::{self, Bracket, Start};
 use crate::special::rel::psi;
 
 /// τ* of (24): the optical depth of a flight, from the uniform variate `u` in [0, 1) and the
@@ -114,7 +114,7 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
     let reached = some & tau.le(total);
 
     let goal = R::select(reached, tau, total.min(one)).detach();
-    let (bracket, guess) = bracket(&plain, channel, &plain_ray, t_max, goal, &shares);
+    let start = start(&plain, channel, &plain_ray, t_max, goal, &shares);
     let slopes = |t| {
         let components = plain.profiles().iter().enumerate();
         components.fold((zero, zero), |(slope, curvature), (c, profile)| {
@@ -129,8 +129,7 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
         slopes,
         |t| depth(medium, ray, t),
         R::select(reached, tau, goal),
-        bracket,
-        guess,
+        start,
     );
     let beyond = R::select(some, tau.lit(f64::INFINITY), zero);
     R::select(reached, t.max(zero).min(t_max), beyond)
@@ -145,14 +144,14 @@ fn sum_inverse<R: Real>(medium: &Medium<R>, channel: usize, ray: &Ray<R>, t_max:
 ///
 /// `shares` are the components' parts of τ(t_max). The guess is 1/t = Σ 1/t_c(τ), exact for
 /// uniform components, or the mean of the equal fractions where none reaches τ alone.
-fn bracket<R: Real>(
+fn start<R: Real>(
     medium: &Medium<R>,
     channel: usize,
     ray: &Ray<R>,
     t_max: R,
     tau: R,
     shares: &[R],
-) -> (Bracket<R>, R) {
+) -> Start<R> {
     let (zero, one, infinity) = (tau.lit(0.0), tau.lit(1.0), tau.lit(f64::INFINITY));
     let share = tau.lit(1.0 / shares.len() as f64);
     let total = shares.iter().copied().fold(zero, |a, b| a + b);
@@ -185,5 +184,9 @@ fn bracket<R: Real>(
     let high = high.min(R::select(finite, last, infinity));
     let low = low.max(R::select(finite, first, zero)).min(high);
     let guess = R::select(zero.lt(rate), one / rate.max(tau.lit(1e-30)), mean);
-    (Bracket { low, high }, guess.max(low).min(high))
+    Start {
+        bracket: Bracket { low, high },
+        guess: guess.max(low).min(high),
+        near: false,
+    }
 }

@@ -24,6 +24,17 @@ pub struct Bracket<R> {
     pub high: R,
 }
 
+/// Where the iteration starts.
+#[derive(Clone, Copy)]
+pub struct Start<R> {
+    /// Holds the root.
+    pub bracket: Bracket<R>,
+    /// In the bracket.
+    pub guess: R,
+    /// Whether the guess is known to be within a few per cent.
+    pub near: bool,
+}
+
 /// How far the iteration goes.
 struct Limits {
     /// Most steps; a recorded solve takes them all.
@@ -33,11 +44,12 @@ struct Limits {
 }
 
 impl Limits {
-    fn of<R: Real>(x: R) -> Self {
-        let (few, many, missing) = if x.digits() <= 24 {
-            (6, 12, 1e-4)
-        } else {
-            (12, 40, 1e-8)
+    fn of<R: Real>(x: R, near: bool) -> Self {
+        let (few, many, missing) = match (x.digits() <= 24, near) {
+            (true, true) => (3, 12, 1e-4),
+            (true, false) => (6, 12, 1e-4),
+            (false, true) => (5, 40, 1e-8),
+            (false, false) => (12, 40, 1e-8),
         };
         // Plain numbers stop when all are done, and may take their time.
         let steps = if R::DERIVATIVES { few } else { many };
@@ -126,7 +138,7 @@ fn middle<R: Real>(low: R, high: R) -> R {
     R::select(wide, end * ratio.sqrt(), low.lit(0.5) * (low + high))
 }
 
-/// The t in the bracket with g(t) = `target` > 0, from the guess `t`.
+/// The t in the bracket with g(t) = `target` > 0.
 ///
 /// `value` is g and `slopes` are g′ ≥ 0 and g″, without derivatives by parameters, for the
 /// iteration; `attached` is g with them, for one last step. That step carries
@@ -137,15 +149,15 @@ pub fn increasing<R: Real>(
     slopes: impl Fn(R) -> (R, R),
     attached: impl Fn(R) -> R,
     target: R,
-    bracket: Bracket<R>,
-    mut t: R,
+    start: Start<R>,
 ) -> R {
     let goal = target.detach();
-    let limits = Limits::of(goal);
+    let limits = Limits::of(goal, start.near);
     let tolerance = goal * goal.lit(limits.missing);
     let rounding = goal * goal.lit(4.0) * goal.unit_roundoff();
 
-    let mut search = Search::within(bracket);
+    let mut t = start.guess;
+    let mut search = Search::within(start.bracket);
     let mut done = t.lt(t);
     let mut stride = t.lit(0.0);
     for _ in 0..limits.steps {
@@ -190,17 +202,20 @@ pub fn inv_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -
     let reached = some & column.le(total) & column.is_bounded();
     let target = R::select(reached, column, total.min(column.lit(1.0)));
 
-    let guess = plain.guess_inv_column(&plain_ray, target.detach());
+    let start = Start {
+        bracket: Bracket {
+            low: zero,
+            high: infinity,
+        },
+        guess: plain.guess_inv_column(&plain_ray, target.detach()),
+        near: true,
+    };
     let t = increasing(
         |t| plain.column(&plain_ray, t),
         |t| plain.density_along(&plain_ray, t),
         |t| profile.column(ray, t),
         target,
-        Bracket {
-            low: zero,
-            high: infinity,
-        },
-        guess,
+        start,
     );
     R::select(reached, t, R::select(some, infinity, zero))
 }

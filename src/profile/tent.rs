@@ -13,7 +13,7 @@
 //! of the two asinh(x/p) of the textbook form, whose large terms (2) has without. Lengths come
 //! from climbs, s = Δ(r₁ + r₂)/(x₁ + √(x₁² + Δ(r₁ + r₂))).
 //!
-//! The inverse is not closed: [`crate::solve`] finds it between the two distances of those at
+//! The inverse is not closed: the bracketed iteration of `solve` finds it between the two distances of those at
 //! which the ray crosses the edges and the top of the layer, from the parabola through them.
 //!
 //! Relative error of the column, times the condition of (h − h_c)/w: below 1e-15 (f64),
@@ -24,7 +24,7 @@ use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Piece, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either, polynomial};
-use crate::solve::{self, Bracket};
+use crate::solve::{self, Bracket, Start};
 
 /// ρ(h) = max(0, 1 − |h − `height`|/`width`), h the altitude above `sphere`.
 #[derive(Clone, Copy, Debug)]
@@ -252,8 +252,11 @@ impl<R: Real> Profile<R> for Tent<R> {
             |t| plain.slopes(&passage, t),
             |t| self.column(ray, t),
             target,
-            bracket,
-            guess,
+            Start {
+                bracket,
+                guess,
+                near: true,
+            },
         );
         R::select(reached, t, R::select(some, infinity, zero))
     }
