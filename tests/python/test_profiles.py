@@ -105,14 +105,19 @@ def test_column_is_the_same_backwards(profile, rays):
 @each_profile
 @each_float
 def test_column_does_not_decrease(profile, rays, dtype):
-    """By more than its own rounding, 4 ulp: it levels off where the medium thins out."""
+    """By more than its own rounding, 4 ulp: it levels off where the medium thins out.
+
+    The edge of a tent is as sharp as altitudes are exact, which is an error of the whole column.
+    """
     o, d = (a.astype(dtype) for a in rays)
     t = np.concatenate([[0], np.geomspace(1e-6, 1e6, 400), [np.inf]]).astype(dtype)
     column = profile.column(o[:, None], d[:, None], t)
     assert column.dtype == dtype
     assert np.all(column[:, 0] == 0)
     before, after = column[:, :-1], column[:, 1:]
-    assert np.all(after >= before * (1 - 4 * np.finfo(dtype).eps))
+    eps = np.finfo(dtype).eps
+    edge = 100 * eps if isinstance(profile, am.Tent) else 0
+    assert np.all(after >= before * (1 - 4 * eps) - edge)
 
 
 @each_profile
