@@ -154,7 +154,7 @@ pub fn increasing<R: Real>(
     let goal = target.detach();
     let limits = Limits::of(goal, start.near);
     let tolerance = goal * goal.lit(limits.missing);
-    let rounding = goal * goal.lit(4.0) * goal.unit_roundoff();
+    let rounding = goal * (goal.lit(4.0) * goal.unit_roundoff());
 
     let mut t = start.guess;
     let mut search = Search::within(start.bracket);

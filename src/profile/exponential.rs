@@ -137,17 +137,23 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let (zero, one, infinity) = (column.lit(0.0), column.lit(1.0), column.lit(f64::INFINITY));
         let start = self.plane.altitude(ray.origin) * self.falloff;
         let rate = self.plane.cos_zenith(ray.direction) * self.falloff;
-        let vanishing = if column.digits() <= 24 { 1e-37 } else { 1e-300 };
+        // Just above the least normal number.
+        let vanishing = if column.digits() <= 24 {
+            1.2e-38
+        } else {
+            2.3e-308
+        };
 
         let density = (-start).exp();
+        let vanishes = density.lt(column.lit(vanishing)) & zero.lt(column);
         let finite = column.is_bounded();
         let straight = R::select(finite, column, zero) / density.max(column.lit(vanishing));
         let y = climb(rate, straight);
-        let reached = y.lt(one);
+        let descends = rate.lt(zero);
+        let reached = y.lt(one) & (descends | !vanishes);
         // ψ must not see what is not reached, even unselected; nor y = −∞.
         let beyond = column.lit(-1e16);
-        let from_above = density.lt(column.lit(vanishing)) & rate.lt(zero) & zero.lt(column);
-        let near = reached & beyond.lt(y) & finite & !from_above;
+        let near = reached & beyond.lt(y) & finite & !vanishes;
         either(
             near,
             || R::select(near, straight, one) * psi(R::select(near, y, zero)),

@@ -152,14 +152,18 @@ impl<R: Real> Profile<R> for Spherical<R> {
         let (zero, one, two) = (n.lit(0.0), n.lit(1.0), n.lit(2.0));
         let (perigee, start) = (passage.perigee * n, passage.depth() * n);
         let x = start.sqrt();
-        let tiny = if n.digits() <= 24 { 1e-30 } else { 1e-200 };
+        let (tiny, least) = if n.digits() <= 24 {
+            (1e-30, 1.2e-38)
+        } else {
+            (1e-200, 2.3e-308)
+        };
         let g = two * (start + perigee) / (start + two * perigee + n.lit(tiny)).sqrt();
         let amount = column * n / g.max(n.lit(tiny));
 
         // Amounts relative to the whole tail beyond the start.
         let altitude = passage.altitude * n;
         let density = (-altitude).exp();
-        let vanishes = density.le(n.lit(tiny));
+        let vanishes = density.le(n.lit(least));
         let part = tail::steepness(x) * amount / R::select(vanishes, one, density);
         let descends = passage.along.lt(zero);
 
@@ -171,7 +175,7 @@ impl<R: Real> Profile<R> for Spherical<R> {
         let before = tail::log_erfc(x);
         let large = vanishes | n.lit(1e6).lt(part);
         let modest = R::select(large, one, part);
-        let from_far = (n.lit(FRAC_2_SQRT_PI) * amount.max(n.lit(tiny))).ln() + altitude - start;
+        let from_far = (n.lit(FRAC_2_SQRT_PI) * amount.max(n.lit(least))).ln() + altitude - start;
         let increase = R::select(large, from_far - before, modest * psi(-modest)).max(zero);
         let sum = before + increase;
         let turns = descends & zero.lt(sum);
