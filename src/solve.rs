@@ -46,7 +46,7 @@ struct Limits {
 impl Limits {
     fn of<R: Real>(x: R, near: bool) -> Self {
         let (few, many, missing) = match (x.digits() <= 24, near) {
-            (true, true) => (3, 12, 1e-4),
+            (true, true) => (2, 12, 1e-4),
             (true, false) => (6, 12, 1e-4),
             (false, true) => (5, 40, 1e-8),
             (false, false) => (12, 40, 1e-8),
