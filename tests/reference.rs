@@ -14,7 +14,7 @@ use analytic_media::real::Real;
 use analytic_media::real::lanes::{F32Lanes, F64Lanes, Lanes};
 use analytic_media::sampling;
 use common::host::Host;
-use common::rows::{number, point, profile, table};
+use common::rows::{number, point, profile, regime, table};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -122,26 +122,31 @@ impl<L, O> Arithmetic<L, O> {
         }
     }
 
-    /// Prints the largest of `errors` in each regime.
-    fn print(&self, what: &str, errors: &BTreeMap<String, Vec<f64>>) {
+    /// Prints the largest error in each regime, and the largest share of its tolerance.
+    fn print(&self, what: &str, errors: &Errors) {
         let rows: usize = errors.values().map(Vec::len).sum();
-        println!("{}: {rows} rows, worst {what}", self.name);
+        println!(
+            "{}: {rows} rows, worst {what}, share of the tolerance",
+            self.name
+        );
+        let largest = |worst: f64, x: f64| worst.max(x);
         for (regime, errors) in errors {
-            let worst = errors.iter().copied().fold(0.0, f64::max);
-            println!("    {regime:28} {:4} rows {worst:8.1e}", errors.len());
+            let worst = errors.iter().map(|(error, _)| *error).fold(0.0, largest);
+            let share = errors.iter().map(|(error, tolerance)| error / tolerance);
+            let share = share.fold(0.0, largest);
+            println!(
+                "    {regime:28} {:4} rows {worst:8.1e} {share:5.2}",
+                errors.len()
+            );
         }
     }
 }
 
-/// The regime of a row without the name of the planet.
-fn regime(row: &Value) -> String {
-    let tag = row["regime"].as_str().expect("a row has a regime");
-    let named = |part: &&str| !["earth", "mars", "titan", "moonlet", "small"].contains(part);
-    tag.split('_').filter(named).collect::<Vec<_>>().join(" ")
-}
+/// Errors and tolerances by regime.
+type Errors = BTreeMap<String, Vec<(f64, f64)>>;
 
 fn columns<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
-    let mut errors = BTreeMap::<_, Vec<f64>>::new();
+    let mut errors = Errors::new();
     for row in table("columns") {
         let profile = a.profile(&profile(&row["profile"]));
         let got = (a.lower)(profile.column(&a.ray(&row), a.number(&row["t"])));
@@ -159,7 +164,10 @@ fn columns<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
             "{}: column {got:e}, expected {expected:e}, sens {sens}: {row}",
             a.name
         );
-        errors.entry(regime(&row)).or_default().push(error);
+        errors
+            .entry(regime(&row))
+            .or_default()
+            .push((error, tolerance));
     }
     a.print("relative error of columns", &errors);
 }
@@ -232,7 +240,7 @@ impl Flight {
 }
 
 fn inverses<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
-    let mut errors = BTreeMap::<_, Vec<f64>>::new();
+    let mut errors = Errors::new();
     for row in table("inverse") {
         let flight = Flight::of(&row);
         let (medium, ray) = flight.lift(&a.lift);
@@ -258,7 +266,10 @@ fn inverses<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
             a.name
         );
         let residual = if got == expected { 0.0 } else { residual };
-        errors.entry(regime(&row)).or_default().push(residual);
+        errors
+            .entry(regime(&row))
+            .or_default()
+            .push((residual, tolerance));
     }
     a.print("residual of free flights", &errors);
 }
@@ -279,7 +290,7 @@ fn bounds<R: Real>(row: &Value, profile: &AnyProfile<R>, lift: impl Fn(f64) -> R
 }
 
 fn majorants<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
-    let mut errors = BTreeMap::<_, Vec<f64>>::new();
+    let mut errors = Errors::new();
     for row in table("majorant") {
         let (kind, values) = profile(&row["profile"]);
         let (inf, sup) = bounds(&row, &a.profile(&(kind, values.clone())), &a.lift);
@@ -311,7 +322,10 @@ fn majorants<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
             "{}: [{inf:e}, {sup:e}] is wide: {row}",
             a.name
         );
-        errors.entry(regime(&row)).or_default().push(excess - 1.0);
+        errors
+            .entry(regime(&row))
+            .or_default()
+            .push((excess - 1.0, 0.5));
     }
     a.print("excess of the supremum", &errors);
 }

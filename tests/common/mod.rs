@@ -4,6 +4,7 @@
 // Each test program uses its own part.
 #![allow(dead_code)]
 
+pub mod article;
 pub mod counted;
 pub mod host;
 pub mod random;

@@ -13,6 +13,13 @@ pub fn table(name: &str) -> Vec<Value> {
     rows
 }
 
+/// The regime of a row without the name of the planet.
+pub fn regime(row: &Value) -> String {
+    let tag = row["regime"].as_str().expect("a row has a regime");
+    let named = |part: &&str| !["earth", "mars", "titan", "moonlet", "small"].contains(part);
+    tag.split('_').filter(named).collect::<Vec<_>>().join(" ")
+}
+
 /// A number, or the string "inf".
 pub fn number(value: &Value) -> f64 {
     match value {
