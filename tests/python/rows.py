@@ -9,17 +9,18 @@ TABLES = Path(__file__).parents[1] / "reference"
 
 
 def table(name):
-    """The rows that are about profiles of this package; components of sums are sorted."""
-    rows = json.loads((TABLES / f"{name}.json").read_text())["rows"]
-    for row in rows:
+    """All rows, with their profiles; components of sums are sorted."""
+    data = json.loads((TABLES / f"{name}.json").read_text())
+    assert len(data["rows"]) == data["count"]
+    for row in data["rows"]:
         parts = row.get("components") or [row]
         parts.sort(key=lambda part: part["profile"]["type"])
         row["profiles"] = [profile(part["profile"]) for part in parts]
-    return [row for row in rows if None not in row["profiles"]]
+    return data["rows"]
 
 
 def profile(description):
-    """The profile of a row; None if there is none like it yet."""
+    """The profile of a row."""
     d = description
     match d["type"]:
         case "constant":
@@ -28,4 +29,11 @@ def profile(description):
             return am.Linear(gradient=d["a"], density=d["k"], up=d["up"])
         case "exponential":
             return am.Exponential(scale_height=d["H"], base_height=d["h0"], up=d["up"])
-    return None
+        case "sphere_exp":
+            return am.Spherical(center=d["c"], radius=d["R"], scale_height=d["H"])
+        case "sphere_tent":
+            return am.Tent(center=d["c"], radius=d["R"], height=d["h_c"], width=d["w"])
+        case "gaussian":
+            return am.Gaussian(center=d["c"], sigma=d["s"])
+        case other:
+            raise ValueError(f"{other} is not a profile of the tables")

@@ -1,10 +1,10 @@
 """Columns, free flights and bounds against the reference tables, in every arithmetic.
 
-A row's tolerance is the target of the arithmetic times the row's own sensitivity to rounded
-coordinates (`sens`, `cond`), as in tests/reference.rs. The worst errors are printed: pytest -s.
+All rows, with the tolerances of tests/reference.rs. The worst errors are printed: pytest -s.
 """
 
 from collections import defaultdict
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,19 +12,31 @@ import rows
 
 import analytic_media as am
 
-DOUBLE, SINGLE = 1e-12, 2e-6
-TARGETS = {"float64": DOUBLE, "float32": SINGLE}
+SINGLE_ROUNDING = 0.5**24
+
+
+class Arithmetic:
+    """A floating-point format and what is asked of it."""
+
+    def __init__(self, dtype):
+        self.dtype = np.dtype(dtype)
+        self.single = self.dtype == np.float32
+        self.target = 1e-6 if self.single else 1e-12
+        self.roundoff = float(np.finfo(dtype).eps) / 2
+        self.least = float(np.finfo(dtype).tiny)
+
+    def rounded(self, values):
+        """Numbers as the format holds them: beyond it they are infinite."""
+        with np.errstate(over="ignore", under="ignore"):
+            return np.asarray(values, dtype=float).astype(self.dtype).astype(float)
 
 
 def numbers(selected, key):
     return np.array([row[key] for row in selected], dtype=float)
 
 
-class Batched:
+class Batched(Arithmetic):
     """The batched C functions, through NumPy."""
-
-    def __init__(self, dtype):
-        self.dtype, self.target = np.dtype(dtype), TARGETS[dtype]
 
     def ask(self, selected, models, question, *keys):
         """Results in float64, a row each; `models` makes the model of a row."""
@@ -38,11 +50,27 @@ class Batched:
         return result
 
 
-class Recorded:
+class Rounded(Arithmetic):
+    """Double precision, of inputs in single precision."""
+
+    def __init__(self):
+        super().__init__("float32")
+
+    def ask(self, selected, question, *keys):
+        return np.array([self._one(row, question, keys) for row in selected])
+
+    def _one(self, row, question, keys):
+        (profile,) = row["profiles"]
+        own = {name: self.rounded(value).tolist() for name, value in profile.parameters.items()}
+        return getattr(type(profile)(**own), question)(*(self.rounded(row[key]) for key in keys))
+
+
+class Recorded(Arithmetic):
     """Recorded nodes: rows of the same kinds of profile are lanes of one recording."""
 
     def __init__(self, number, dtype, host=None):
-        self.number, self.host, self.target = number, host, TARGETS[dtype]
+        super().__init__(dtype)
+        self.number, self.host = number, host
 
     def ask(self, selected, models, question, *keys):
         groups = defaultdict(list)
@@ -117,45 +145,88 @@ def assert_rows(good, selected, *values):
     assert not bad, bad
 
 
+def depth(row, values, t):
+    """Optical depth of a sum in double precision; `values` are those of `flight_inputs`."""
+    rest = iter(values)
+    pairs = []
+    for profile, component in zip(row["profiles"], row["components"], strict=True):
+        own = {name: take(rest, value) for name, value in profile.parameters.items()}
+        pairs.append((type(profile)(**own), take(rest, component["mu"])))
+    origin, direction = take(rest, row["origin"]), take(rest, row["dir"])
+    return am.Medium(pairs).optical_depth(origin, direction, t)
+
+
+def take(numbers, like):
+    """The next number, or as many as `like` has."""
+    return next(numbers) if np.ndim(like) == 0 else [next(numbers) for _ in like]
+
+
+def flight_inputs(row):
+    """Every number that a row of inverses depends on, in the order of `depth`."""
+    parts = []
+    for profile, component in zip(row["profiles"], row["components"], strict=True):
+        parts += [*profile.parameters.values(), component["mu"]]
+    return np.hstack([*parts, row["origin"], row["dir"]])
+
+
+@cache
+def flights():
+    """The rows of inverses, and what a single precision rounding of each input does to τ."""
+    selected = rows.table("inverse")
+    shifts = []
+    for row in selected:
+        values = flight_inputs(row)
+        t = float(row["t_max"] if row["t"] == "inf" else row["t"])
+        plain = depth(row, values, t)
+        moved = [depth(row, values, t * (1 + SINGLE_ROUNDING))]
+        for i in range(len(values)):
+            factors = np.ones_like(values)
+            factors[i] += SINGLE_ROUNDING
+            moved.append(depth(row, values * factors, t))
+        shifts.append(np.abs(np.array(moved) - plain).sum() if np.isfinite(plain) else 0)
+    return selected, np.array(shifts)
+
+
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # NumPy's, as a host: 0/0 not selected
 def test_columns(arithmetic, report):
     selected = rows.table("columns")
-    assert len(selected) > 150
     got = arithmetic.ask(selected, lambda row: row["profiles"][0], "column", "origin", "dir", "t")
-    expected = numbers(selected, "column")
-    sens = np.array([max(row["sens"] or 1, 1) for row in selected])
+    expected = arithmetic.rounded(numbers(selected, "column"))
+    sens = np.array([row["sens"] or 1 for row in selected])
 
-    exact = np.isinf(expected) | (expected == 0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        error = np.where(exact, 0, np.abs(got - expected) / expected / sens)
-    assert_rows(np.where(exact, got == expected, error <= arithmetic.target), selected, got)
-    report("columns, worst relative error over sens", error, selected)
+    with np.errstate(invalid="ignore"):
+        error = np.abs(got - expected) / np.maximum(expected, arithmetic.least)
+    error = np.where(got == expected, 0, error)
+    assert_rows(error <= arithmetic.target + 4 * arithmetic.roundoff * sens, selected, got)
+    report("columns, worst relative error", error, selected)
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_free_flights(arithmetic, report):
-    selected = rows.table("inverse")
-    assert len(selected) > 100
+    selected, shifts = flights()
+    if isinstance(arithmetic, Recorded) and arithmetic.host is None:
+        # LLVM takes a second per kind of sum, and 47 of 61 kinds have at most three rows: those
+        # are left to the other hosts, which record the same formulas.
+        kinds = [tuple(type(profile) for profile in row["profiles"]) for row in selected]
+        often = [i for i, kind in enumerate(kinds) if kinds.count(kind) > 3]
+        assert len(often) == 308
+        selected, shifts = [selected[i] for i in often], shifts[often]
 
     def medium(row):
         mu = [component["mu"] for component in row["components"]]
         return am.Medium(zip(row["profiles"], mu, strict=True))
 
     got = arithmetic.ask(selected, medium, "free_flight", "origin", "dir", "t_max", "tau")
-    expected, tau, total, mu_at_t = (
-        numbers(selected, key) for key in ("t", "tau", "tau_max", "mu_at_t")
-    )
-    cond = np.array([max(row["cond"] or 1, 1) for row in selected])
+    expected, tau, total = (numbers(selected, key) for key in ("t", "tau", "tau_max"))
 
-    # Within rounding of the whole optical depth, "inf" and a distance are both right.
-    edge = np.abs(tau - total) <= arithmetic.target * total
-    endless = np.isinf(expected) | np.isinf(got)
-    with np.errstate(invalid="ignore"):
-        error = np.abs(got - expected)
-    # The optical depth that the error in t amounts to.
-    residual = np.where(endless, 0, error * mu_at_t / np.maximum(tau, 1))
-    close = (error <= arithmetic.target * cond * expected) | (residual <= arithmetic.target)
-    assert_rows(np.where(endless, (got == expected) | edge, close), selected, got)
+    # An infinite answer stands for all distances beyond the end.
+    reached = zip(selected, got, strict=True)
+    reached = [depth(row, flight_inputs(row), t) if np.isfinite(t) else 0 for row, t in reached]
+    missing = np.where(np.isfinite(got), np.abs(reached - tau), np.maximum(total - tau, 0))
+    residual = np.where(got == expected, 0, missing / np.maximum(tau, 1))
+    uncertainty = shifts * (arithmetic.roundoff / SINGLE_ROUNDING) / np.maximum(tau, 1)
+    tolerance = arithmetic.target * np.minimum(tau, 1) + 2 * uncertainty
+    assert_rows(residual <= tolerance, selected, got, residual, tolerance)
     report("free flights, worst residual", residual, selected)
 
 
@@ -163,36 +234,21 @@ def test_free_flights(arithmetic, report):
 @pytest.mark.parametrize("domain", ["segment", "box"])
 def test_bounds(arithmetic, report, domain):
     selected = [row for row in rows.table("majorant") if row["domain"] == domain]
-    assert len(selected) > 50
     question = (
         ("bounds", "origin", "dir", "t") if domain == "segment" else ("bounds_box", "lo", "hi")
     )
     inf, sup = arithmetic.ask(selected, lambda row: row["profiles"][0], *question).T
     true_inf, true_sup = numbers(selected, "inf"), numbers(selected, "sup")
-
-    # In single precision they bound the density of the rounded inputs.
-    if arithmetic.target == DOUBLE:
-        assert_rows((inf <= true_inf) & (sup >= true_sup), selected, inf, sup)
-    scale = np.array([condition(row) for row in selected]) * np.minimum(true_sup, 1e300)
-    for got, expected in ((inf, true_inf), (sup, true_sup)):
-        with np.errstate(invalid="ignore", divide="ignore"):
-            error = np.where(got == expected, 0, np.abs(got - expected) / scale)
-        assert_rows(error <= arithmetic.target, selected, inf, sup)
-        report("bounds, widest", error, selected)
-
-
-def condition(row):
-    """Relative change of the density per relative change of the coordinates."""
-    p = row["profile"]
-    if row["domain"] == "box":
-        extent = max(abs(x) for x in row["lo"] + row["hi"])
-    else:
-        t = float(row["t"])
-        extent = max(abs(x) for x in row["origin"]) + (t if np.isfinite(t) else 0)
-    scale = 0
-    if p["type"] == "exponential":
-        scale = (extent + abs(p["h0"])) / p["H"]
-    elif p["type"] == "linear":
-        sup = float(row["sup"])
-        scale = (abs(p["a"]) * extent + abs(p["k"])) / (sup if 0 < sup < np.inf else 1)
-    return 1 + 3 * scale
+    if arithmetic.single:
+        # Of the rounded inputs, whose bounds in double precision are true.
+        true_inf, true_sup = Rounded().ask(selected, *question).T
+        true_inf, true_sup = arithmetic.rounded(true_inf), arithmetic.rounded(true_sup)
+    assert_rows((inf <= true_inf) & (true_sup <= sup), selected, inf, sup)
+    with np.errstate(invalid="ignore"):
+        excess = sup / np.maximum(true_sup, arithmetic.least) - 1
+        lost = true_inf - inf
+    excess = np.where(sup == true_sup, 0, excess)
+    # Beside the supremum, an infimum may be next to nothing.
+    near = (inf == true_inf) | (true_inf <= 1.5 * inf) | (lost <= 1e-3 * true_sup)
+    assert_rows((excess <= 0.5) & near, selected, inf, sup)
+    report("bounds, widest", excess, selected)
