@@ -41,10 +41,13 @@ public:
         check("scale", scale, dr::Infinity<double>);
         m_scale = scale;
         update();
+        m_scatters = (m_albedo ? m_albedo : m_sigma_s)->max() > 0.f;
     }
 
     /// Whether a scene states the extinction by colour or wavelength.
     bool chromatic() const { return m_chromatic; }
+    /// False if a scene gives the albedo 0, and has not changed anything since.
+    bool scatters() const { return m_scatters; }
 
     void traverse(TraversalCallback *cb) {
         cb->put("scale", m_scale, ParamFlags::Differentiable);
@@ -65,6 +68,8 @@ public:
             check("scale", m_scale, dr::Infinity<double>);
         if constexpr (Remembers)
             m_remembered = evaluate(dr::zeros<Interaction3f>(), true);
+        // To look at a new albedo would be to wait for it.
+        m_scatters = true;
     }
 
     /// Extinction coefficient at relative density 1.
@@ -175,6 +180,7 @@ private:
     ref<Volume> m_sigma_t, m_albedo, m_sigma_a, m_sigma_s;
     Float m_scale;
     bool m_chromatic = false;
+    bool m_scatters = true;
     /// Extinction at relative density 1, in scalar variants without wavelengths.
     UnpolarizedSpectrum m_remembered;
 };

@@ -28,6 +28,8 @@ public:
     bool chromatic() const { return m_coefficients.chromatic(); }
     const Profile &profile() const { return m_profile; }
     const PhaseFunction *phase() const { return m_phase.get(); }
+    /// False if a scene gives the albedo 0, and has not changed anything since.
+    bool scatters() const { return m_coefficients.scatters(); }
 
     /// Relative density at `p`: finite, so that sums and ratios of several are numbers.
     Float density(const Point3f &p) const {

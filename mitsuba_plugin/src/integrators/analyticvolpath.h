@@ -45,7 +45,9 @@ A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their s
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
 wavelength, every flight is drawn from the channel chosen in proportion to the throughput, and
-weighted by the balance heuristic over all channels. Light sources are combined with phase functions
+weighted by the balance heuristic over all channels. Light from behind the medium, where a ray meets
+no surface, is added in full, and the ray made to collide more often than in nature, at a lower
+weight: a clear sky is as free of noise as a cloud. Light sources are combined with phase functions
 and BSDFs by multiple importance sampling.
 
 Parameters, path depth and roulette are those of ``volpath``, except that passing an index-matched
@@ -128,6 +130,9 @@ public:
 private:
     /// Shadow rays that less than this gets through are traced with a lower probability.
     static constexpr ScalarFloat DimTransmittance = 0.25f;
+    /// How much more probable than in nature collisions are on rays that leave the scene: those
+    /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
+    static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
 
     /// State of a path between two vertices.
     struct Path {
@@ -158,6 +163,12 @@ private:
         Mask scatters;
         /// Collided with nothing real: goes on from mi.p in the same direction.
         Mask passes;
+        /// Meets no surface in a medium of ours: what is behind it needs no sampling.
+        Mask escapes;
+        /// Throughput of the light from behind the vertex.
+        Spectrum background;
+        /// Escapes, and counts as something that is seen.
+        Mask visible;
     };
 
     Survey look_at(const Scene *scene, const Medium *medium) const {
@@ -186,11 +197,16 @@ private:
             return active && medium != nullptr;
     }
 
+    /// The end of a ray: infinite, where it is only the largest number.
+    static Float limit(const Float &reach) {
+        return dr::select(reach < dr::Largest<Float>, reach, dr::Infinity<Float>);
+    }
+
     /// Traces the ray of `path` to its next vertex, and weighs the throughput accordingly.
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.scatters = v.passes = false;
+        v.scatters = v.passes = v.escapes = v.visible = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -198,39 +214,48 @@ private:
         AnalyticPtr analytic = as_analytic(found, path.medium);
         Mask in_ours = is_analytic(found, analytic, in_medium), in_foreign = in_medium && !in_ours;
 
-        UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
-        Float reach = path.ray.maxt, t = dr::Infinity<Float>, u_channel = 0.f;
+        const UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
+        const Float reach = path.ray.maxt;
+        Float t = dr::Infinity<Float>, u_event = 0.f;
         UnpolarizedSpectrum chance = 0.f;
-        if (found.chromatic || found.foreign)
-            u_channel = path.sampler->next_1d(in_medium);
+        if (found.media())
+            u_event = path.sampler->next_1d(in_medium);
         Vector4f u = 0.f;
         for (size_t i = 0; i < found.variates(); ++i)
             u[i] = path.sampler->next_1d(in_medium);
-        if (dr::any_or<true>(in_ours) && found.analytic)
-            dr::masked(t, in_ours) =
-                analytic->sample_flight(path.ray, throughput, u_channel, u, in_ours);
+
         if (found.foreign && dr::any_or<true>(in_foreign)) {
             UInt32 channel = 0;
             if constexpr (is_rgb_v<Spectrum>) {
                 chance = channel_chances(throughput);
-                channel = choose_channel(chance, u_channel);
+                channel = choose_channel(chance, u_event);
             } else {
                 chance[0] = 1.f; // stock media know the first wavelength only
             }
             v.mi = path.medium->sample_interaction(path.ray, u[0], channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
+            // The ray needs to be traced only as far as the flight goes.
+            path.ray.maxt = dr::minimum(reach, t);
         }
-
-        // The ray needs to be traced only as far as the flight goes.
-        path.ray.maxt = dr::minimum(reach, t);
         v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_medium && !v.si.is_valid() && t < reach;
-        Float end = dr::minimum(t, v.si.t);
+        Mask collided = in_foreign && !v.si.is_valid() && t < reach;
+        const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
 
+        v.escapes = in_ours && !v.si.is_valid();
+        v.background = path.throughput;
         if (dr::any_or<true>(in_ours) && found.analytic) {
-            dr::masked(path.throughput, in_ours) *=
-                analytic->flight_weight(path.ray, end, collided, throughput, in_ours);
+            const Float gain =
+                dr::select(v.escapes, dr::select(path.depth == 0u, CameraGain, ScatteredGain), 1.f);
+            auto [length, weight, past] =
+                analytic->sample_flight(path.ray, end, gain, throughput, u_event, u, in_ours);
+            dr::masked(t, in_ours) = length;
+            dr::masked(path.throughput, in_ours) *= weight;
+            dr::masked(v.background, v.escapes) *= past;
+            collided |= in_ours && dr::isfinite(length);
             v.scatters |= collided && in_ours;
+            // A path that is bound to collide stands for those that do not, too.
+            const Float seen = dr::sum(channel_chances(throughput) * (1.f - past));
+            v.visible = v.escapes && u_event < seen;
         }
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
@@ -362,12 +387,13 @@ private:
 
         if (m_hide_emitters)
             skip_emitters(scene, path, v, outside);
-        add_emission(scene, found, path, v.si, outside);
+        add_emission(scene, found, path, v, outside || v.escapes);
 
         Mask surface = outside && v.si.is_valid();
         UInt32 next_depth = path.depth + 1;
         Mask goes_on = next_depth < m_max_depth;
         in_medium &= goes_on;
+        path.valid |= v.visible && goes_on && path.depth == 0u;
         path.active &= surface || in_medium || v.passes;
         if (dr::none_or<false>(path.active))
             return;
@@ -431,8 +457,8 @@ private:
 
         dr::masked(path.last, scattered) = here;
         dr::masked(path.last_pdf, scattered) = pdf;
+        path.valid |= scattered && !v.escapes && path.depth == 0u;
         dr::masked(path.depth, scattered) = next_depth;
-        path.valid |= scattered;
         Mask unsampled =
             (surface && has_flag(lobes, BSDFFlags::Delta)) || (in_medium && !medium_samples_light);
         dr::masked(path.count_emission, scattered) = unsampled;
@@ -455,8 +481,9 @@ private:
     }
 
     /// Light that the ray has run into: a surface that shines, or the environment.
-    void add_emission(const Scene *scene, const Survey &found, Path &path,
-                      const SurfaceInteraction3f &si, const Mask &outside) const {
+    void add_emission(const Scene *scene, const Survey &found, Path &path, const Vertex &v,
+                      const Mask &outside) const {
+        const SurfaceInteraction3f &si = v.si;
         EmitterPtr emitter = si.emitter(scene);
         Mask shines = outside && emitter != nullptr;
         if (m_hide_emitters)
@@ -471,7 +498,8 @@ private:
                               (ScalarFloat) found.emitter_samples;
             dr::masked(mis, shared) = mis_weight(path.last_pdf, light_pdf);
         }
-        dr::masked(path.result, shines) += path.throughput * emitter->eval(si, shines) * mis;
+        const Spectrum throughput = dr::select(v.escapes, v.background, path.throughput);
+        dr::masked(path.result, shines) += throughput * emitter->eval(si, shines) * mis;
     }
 
     /// Light that reaches the vertex straight from light sources and leaves along the path.

@@ -68,82 +68,71 @@ public:
     size_t components() const { return m_components.size(); }
 
     /**
-     * Distance of the next collision on `ray`, infinite if there is none in the medium.
+     * A flight along `ray`: the distance of its collision, infinite if it passes; its weight; and
+     * the transmittance of all the way.
      *
-     * Components collide independently of each other, so the first of their collisions is that of
-     * the sum, and a component needs an inverse only if it comes before those found so far. What
-     * there are more than variates are taken for one, whose optical depth is the sum of theirs.
+     * Flights collide with `gain` times the probability of the model, but at most surely, and are
+     * weighted for it. That is of use where the light behind the medium is added without sampling.
      *
-     * \param throughput  of the path so far: the channel to sample is chosen in proportion to it
-     * \param u_channel  uniform variate in [0, 1)
+     * Think of the components as one behind the other: the optical depth at which the flight ends
+     * lies in one of them, which it has met then. Those before it have been passed; those behind
+     * it may collide earlier, each independently. A component that does not scatter only weakens
+     * the flight. What there are more than variates are taken for one, whose optical depth is the
+     * sum of theirs.
+     *
+     * \param reach  where the flight ends at the latest: may be infinite
+     * \param throughput  of the path so far: the channel to sample is chosen in proportion to
+     *    what it loses
+     * \param u_event  uniform variate in [0, 1)
      * \param u  uniform variates in [0, 1), as many as there are components
      */
-    Float sample_flight(const Ray3f &ray, const UnpolarizedSpectrum &throughput, Float u_channel,
-                        const Vector4f &u, Mask active) const {
+    std::tuple<Float, UnpolarizedSpectrum, UnpolarizedSpectrum>
+    sample_flight(const Ray3f &ray, const Float &reach, const Float &gain,
+                  const UnpolarizedSpectrum &throughput, const Float &u_event, const Vector4f &u,
+                  Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, reach);
+        const std::vector<Part> parts = sampled_parts(segment, mi, active);
+        UnpolarizedSpectrum depth = 0.f;
+        for (const Part &part : parts)
+            depth += part.depth;
+        const UnpolarizedSpectrum past =
+            dr::exp(-(depth + absorbed(segment, segment.length, mi, active)));
+
+        // Whether it collides, and in which channel.
+        const UnpolarizedSpectrum start = channel_chances(throughput), lost = opacity(depth),
+                                  loss = start * lost;
+        const Float natural = dr::sum(loss), chance = dr::minimum(gain * natural, 1.f),
+                    safe = dr::maximum(chance, Tiny);
+        Mask collides = active && u_event < chance;
         UInt32 channel = 0;
         if (m_has_spectral_extinction)
-            channel = choose_channel(channel_chances(throughput), u_channel);
+            channel = choose_channel(channel_chances(loss), u_event / safe);
 
-        auto [hit, near, far] = m_extent.clip(ray);
-        near = dr::select(hit, near, 0.f);
-        const Point3f o = ray(near);
-        Float t = dr::select(hit, far - near, 0.f);
-        Mask collides = false;
-        auto find = [&](const Float &next) {
-            collides |= next < t;
-            t = dr::minimum(t, next);
-        };
-        const size_t count = m_components.size(), alone = count > dr::size_v<Vector4f> ? 3 : count;
-        for (size_t i = 0; i < alone; ++i) {
-            const Float sigma_t = of_channel(m_components[i]->sigma_t(mi, active), channel);
-            find(next_collision(m_components[i]->profile(), o, ray.d, t, optical_depth(u[i]),
-                                sigma_t, i == 0));
-        }
-        if (alone < count) {
-            std::vector<const Profile<Float, Spectrum> *> profiles;
-            std::vector<Float> sigma_t;
-            for (size_t i = alone; i < count; ++i) {
-                profiles.push_back(&m_components[i]->profile());
-                sigma_t.push_back(of_channel(m_components[i]->sigma_t(mi, active), channel));
-            }
-            find(Profile<Float, Spectrum>::free_flight(profiles, sigma_t, o, ray.d, t,
-                                                       optical_depth(u[alone])));
-        }
-        return dr::select(active && hit && collides, near + t, dr::Infinity<Float>);
-    }
+        Float t = dr::Infinity<Float>;
+        if (dr::any_or<true>(collides))
+            t = first_collision(parts, segment, channel, of_channel(lost, channel), u, collides);
+        t = dr::select(collides, t, dr::Infinity<Float>);
+        collides &= dr::isfinite(t);
 
-    /**
-     * Weight of a flight of length `t` that ends in a collision (`collided`) or at a surface:
-     * contribution over probability, by the balance heuristic over the channels that might have
-     * been sampled.
-     */
-    UnpolarizedSpectrum flight_weight(const Ray3f &ray, Float t, Mask collided,
-                                      const UnpolarizedSpectrum &throughput, Mask active) const {
-        MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
-        MediumInteraction3f mi = interaction(ray);
-        mi.t = t;
-        mi.p = ray(dr::select(collided, t, 0.f));
-        auto [extinction, albedo] = collision(mi, active);
-        const UnpolarizedSpectrum weight = dr::select(collided, albedo, 1.f);
-        if (!m_has_spectral_extinction)
-            return weight;
-
-        const UnpolarizedSpectrum depth = optical_depth(ray, t, mi, active),
-                                  chance = channel_chances(throughput);
-        // Relative to the thinnest channel that counts, nothing that matters underflows.
-        const Float least = thinnest(chance, depth);
-        const UnpolarizedSpectrum densities =
-            dr::exp(-dr::select(depth > least, depth - least, 0.f)) *
-            dr::select(collided, extinction, 1.f);
-        return dr::select(chance > 0.f, balance(weight * densities, chance, densities), 0.f);
+        UnpolarizedSpectrum weight = passing_weight(segment, start, depth, mi, active);
+        if (dr::any_or<true>(collides))
+            weight = dr::select(
+                collides,
+                collision_weight(ray, segment, dr::select(collides, t, 0.f), start, mi, active) *
+                    (natural / safe),
+                weight);
+        return { segment.near + t, weight, past };
     }
 
     /// Transmittance over the distance `t`, which may be infinite.
     UnpolarizedSpectrum transmittance(const Ray3f &ray, Float t, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
-        return dr::exp(-optical_depth(ray, t, interaction(ray), active));
+        const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, t);
+        return dr::exp(-(depth_of(true, segment, segment.length, mi, active) +
+                         absorbed(segment, segment.length, mi, active)));
     }
 
     MI_DECLARE_CLASS(FormulaMedium)
@@ -183,26 +172,161 @@ protected:
     Float m_max_density;
 
 private:
+    /// Stands for probabilities of 0 in denominators.
+    static constexpr ScalarFloat Tiny = 1e-30f;
+
     void update() {
         dr::make_opaque(m_max_density);
         for (ref<Component> &component : m_components)
             component->find_bound(m_extent, m_max_density);
     }
 
-    /// Of a flight, from a uniform variate.
-    static Float optical_depth(const Float &u) { return -dr::log(1.f - u); }
+    /// The part of a ray that is inside the medium.
+    struct Segment {
+        Point3f o;
+        Vector3f d;
+        /// Distance of `o` from the origin of the ray.
+        Float near;
+        /// 0 if the ray misses the medium; may be infinite.
+        Float length;
+    };
 
-    /// Where one component gathers the optical depth `tau`; any distance beyond `t_max`, if that
-    /// comes first. `likely`: there is no point in finding that out before.
-    static Float next_collision(const Profile<Float, Spectrum> &profile, const Point3f &o,
-                                const Vector3f &d, const Float &t_max, const Float &tau,
-                                const Float &sigma_t, bool likely) {
-        const Float column = tau / sigma_t;
-        if constexpr (!dr::is_jit_v<Float>) {
-            if (!(sigma_t > 0.f) || (!likely && profile.column(o, d, t_max) < column))
-                return dr::Infinity<Float>;
+    Segment inside(const Ray3f &ray, const Float &reach) const {
+        auto [hit, near, far] = m_extent.clip(ray);
+        near = dr::select(hit, near, 0.f);
+        return { ray(near), ray.d, near,
+                 dr::select(hit, dr::maximum(dr::minimum(reach, far) - near, 0.f), 0.f) };
+    }
+
+    /// Components whose flights are sampled together: one, or those beyond the variates.
+    struct Part {
+        std::vector<const Component *> components;
+        std::vector<UnpolarizedSpectrum> sigma_t;
+        /// Optical depth of the segment.
+        UnpolarizedSpectrum depth = 0.f;
+    };
+
+    std::vector<Part> sampled_parts(const Segment &segment, const MediumInteraction3f &mi,
+                                    Mask active) const {
+        std::vector<Part> parts;
+        for (const ref<Component> &component : m_components) {
+            if (!component->scatters())
+                continue;
+            if (parts.size() < dr::size_v<Vector4f>)
+                parts.emplace_back();
+            Part &part = parts.back();
+            const UnpolarizedSpectrum sigma_t = component->sigma_t(mi, active);
+            part.components.push_back(component.get());
+            part.sigma_t.push_back(sigma_t);
+            part.depth += optical_depth(sigma_t, *component, segment, segment.length);
         }
-        return dr::select(sigma_t > 0.f, profile.inv_column(o, d, column), dr::Infinity<Float>);
+        return parts;
+    }
+
+    /// Of one component over the distance `t`.
+    static UnpolarizedSpectrum optical_depth(const UnpolarizedSpectrum &sigma_t,
+                                             const Component &component, const Segment &segment,
+                                             const Float &t) {
+        const Float column = component.profile().column(segment.o, segment.d, t);
+        // Nothing of an infinite column is nothing.
+        return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
+    }
+
+    /// Optical depth of what scatters, or of what does not.
+    UnpolarizedSpectrum depth_of(bool scattering, const Segment &segment, const Float &t,
+                                 const MediumInteraction3f &mi, Mask active) const {
+        UnpolarizedSpectrum depth = 0.f;
+        for (const ref<Component> &component : m_components)
+            if (component->scatters() == scattering)
+                depth += optical_depth(component->sigma_t(mi, active), *component, segment, t);
+        return depth;
+    }
+
+    UnpolarizedSpectrum absorbed(const Segment &segment, const Float &t,
+                                 const MediumInteraction3f &mi, Mask active) const {
+        return depth_of(false, segment, t, mi, active);
+    }
+
+    /// 1 - exp(-depth), as precise for thin media.
+    static UnpolarizedSpectrum opacity(const UnpolarizedSpectrum &depth) {
+        const UnpolarizedSpectrum half = dr::tanh(dr::minimum(.5f * depth, 44.f));
+        return 2.f * half / (1.f + half);
+    }
+
+    /// Optical depths relative to the thinnest channel that counts: nothing that matters
+    /// underflows.
+    static UnpolarizedSpectrum relative(const UnpolarizedSpectrum &chance,
+                                        const UnpolarizedSpectrum &depth) {
+        const Float least = thinnest(chance, depth);
+        return dr::select(depth > least, depth - least, 0.f);
+    }
+
+    /// Distance of the collision of a flight that has one, of the probability `lost`.
+    Float first_collision(const std::vector<Part> &parts, const Segment &segment,
+                          const UInt32 &channel, const Float &lost, const Vector4f &u,
+                          const Mask &active) const {
+        Float t = dr::Infinity<Float>, rest = -dr::log(1.f - u[0] * lost);
+        Mask met = false;
+        for (size_t i = 0; i < parts.size(); ++i) {
+            const Float depth = of_channel(parts[i].depth, channel);
+            const Mask meets = !met && rest < depth;
+            // As if there were no other.
+            const Float own = i > 0 ? dr::select(met, -dr::log(1.f - u[i]), rest) : rest;
+            const Mask collides = active && own < depth && (met || meets);
+            if (dr::any_or<true>(collides))
+                t = dr::minimum(t, dr::select(collides, distance(parts[i], segment, channel, own),
+                                              dr::Infinity<Float>));
+            met |= meets;
+            rest = dr::maximum(rest - depth, 0.f);
+        }
+        return t;
+    }
+
+    /// Where a part has gathered the optical depth `tau`, which it does in the segment.
+    Float distance(const Part &part, const Segment &segment, const UInt32 &channel,
+                   const Float &tau) const {
+        if (part.components.size() == 1) {
+            const Float sigma_t = of_channel(part.sigma_t[0], channel);
+            const Float t = part.components[0]->profile().inv_column(
+                segment.o, segment.d, tau / dr::select(sigma_t > 0.f, sigma_t, 1.f));
+            return dr::minimum(t, segment.length);
+        }
+        std::vector<const Profile<Float, Spectrum> *> profiles;
+        std::vector<Float> sigma_t;
+        for (size_t i = 0; i < part.components.size(); ++i) {
+            profiles.push_back(&part.components[i]->profile());
+            sigma_t.push_back(of_channel(part.sigma_t[i], channel));
+        }
+        const Float t = Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o,
+                                                              segment.d, segment.length, tau);
+        return dr::minimum(t, segment.length);
+    }
+
+    /// Contribution over probability of a flight without collision, by the balance heuristic over
+    /// the channels that might have been sampled.
+    UnpolarizedSpectrum passing_weight(const Segment &segment, const UnpolarizedSpectrum &start,
+                                       const UnpolarizedSpectrum &depth,
+                                       const MediumInteraction3f &mi, Mask active) const {
+        const UnpolarizedSpectrum through = dr::exp(-absorbed(segment, segment.length, mi, active));
+        if (!m_has_spectral_extinction)
+            return through;
+        const UnpolarizedSpectrum densities = dr::exp(-relative(start, depth));
+        return balance(through * densities, start, densities);
+    }
+
+    /// The same of a collision at the distance `t`.
+    UnpolarizedSpectrum collision_weight(const Ray3f &ray, const Segment &segment, const Float &t,
+                                         const UnpolarizedSpectrum &start, MediumInteraction3f mi,
+                                         Mask active) const {
+        mi.t = segment.near + t;
+        mi.p = ray(mi.t);
+        auto [extinction, albedo] = collision(mi, active);
+        const UnpolarizedSpectrum weight = albedo * dr::exp(-absorbed(segment, t, mi, active));
+        if (!m_has_spectral_extinction)
+            return weight;
+        const UnpolarizedSpectrum depth = depth_of(true, segment, t, mi, active),
+                                  densities = dr::exp(-relative(start, depth)) * extinction;
+        return balance(weight * densities, start, densities);
     }
 
     /// What coefficients are evaluated at.
@@ -214,7 +338,7 @@ private:
         return mi;
     }
 
-    /// Extinction at a collision, but for a factor that channels share, and the part of it that
+    /// Extinction by what scatters, but for a factor that channels share, and the part of it that
     /// is scattering.
     std::pair<UnpolarizedSpectrum, UnpolarizedSpectrum> collision(const MediumInteraction3f &mi,
                                                                   Mask active) const {
@@ -226,27 +350,13 @@ private:
         }
         UnpolarizedSpectrum extinction = 0.f, scattering = 0.f;
         for (const ref<Component> &component : m_components) {
+            if (!component->scatters())
+                continue;
             UnpolarizedSpectrum part = component->sigma_t(mi, active) * component->density(mi.p);
             extinction += part;
             scattering += part * component->albedo(mi, active);
         }
         return { extinction, dr::select(extinction > 0.f, scattering / extinction, 0.f) };
-    }
-
-    /// Of the distance `t`, which may be infinite; coefficients do not depend on where `mi` is.
-    UnpolarizedSpectrum optical_depth(const Ray3f &ray, const Float &t,
-                                      const MediumInteraction3f &mi, Mask active) const {
-        auto [hit, near, far] = m_extent.clip(ray);
-        const Float length = dr::select(hit, dr::maximum(dr::minimum(t, far) - near, 0.f), 0.f);
-        const Point3f o = ray(dr::select(hit, near, 0.f));
-        UnpolarizedSpectrum depth = 0.f;
-        for (const ref<Component> &component : m_components) {
-            const UnpolarizedSpectrum sigma_t = component->sigma_t(mi, active);
-            const Float column = component->profile().column(o, ray.d, length);
-            // Nothing of an infinite column is nothing.
-            depth += dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
-        }
-        return depth;
     }
 
     MI_TRAVERSE_CB(Base, m_components, m_extent, m_max_density)
@@ -257,6 +367,5 @@ private:
 DRJIT_CALL_TEMPLATE_INHERITED_BEGIN(mitsuba::FormulaMedium, mitsuba::Medium)
 DRJIT_CALL_GETTER(is_analytic)
 DRJIT_CALL_METHOD(sample_flight)
-DRJIT_CALL_METHOD(flight_weight)
 DRJIT_CALL_METHOD(transmittance)
 DRJIT_CALL_END()
