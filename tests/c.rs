@@ -133,6 +133,11 @@ fn kinds_are_described_and_checked() {
 }
 
 #[test]
+fn planets_have_altitudes_and_horizons() {
+    conforms("tests/c/planet.c");
+}
+
+#[test]
 fn recorded_questions_have_the_same_answers() {
     conforms("tests/c/record.c");
 }
@@ -167,6 +172,7 @@ fn no_function_is_forgotten() {
         "questions.c",
         "describe.c",
         "record.c",
+        "planet.c",
         "check.h",
     ]
     .map(|name| read(&format!("tests/c/{name}")))

@@ -68,12 +68,11 @@ fn part<R: Real>(piece: &Piece<R>, low: R, high: R) -> (R, R) {
     let (zero, one) = (low.lit(0.0), low.lit(1.0));
     let least = low.lit(if low.digits() <= 24 { 1e-37 } else { 1e-300 });
     let root = |square: R| square.max(least).sqrt();
-    // Altitudes of clipped ends are known best by themselves, short climbs as such.
-    let whole = low.le(piece.altitude) & piece.outer.le(high);
-    let clipped = piece.outer.min(high) - piece.altitude.max(low);
-    let climb = R::select(whole, piece.climb, clipped);
+    // The parts of a short climb add up to it, though altitudes round by more than it measures.
     let from = (low - piece.altitude).max(zero);
-    let some = zero.lt(climb);
+    let clipped = (high - piece.altitude.max(low)).min(piece.climb);
+    let climb = R::select(piece.outer.le(high), piece.climb - from, clipped);
+    let some = zero.lt(climb) & low.lt(piece.outer);
     let climb = R::select(some, climb, zero);
     let inner = R::select(some, piece.radius, one);
     let along = R::select(some, piece.along, one);

@@ -17,11 +17,12 @@ static void versions(void) {
 }
 
 static void kinds(void) {
-    const char *names[] = { "constant", "linear", "exponential" };
-    const uint32_t counts[] = { 0, 4, 3 };
+    const char *names[] = { "constant", "linear",   "exponential",          "spherical",
+                            "tent",     "gaussian", "anisotropic_gaussian", "radial_gaussian" };
+    const uint32_t counts[] = { 0, 4, 3, 3, 4, 2, 4, 3 };
     uint32_t kind, count;
     char name[AM_NAME_SIZE];
-    for (uint32_t i = 0; i < 3; ++i) {
+    for (uint32_t i = 0; i < 8; ++i) {
         CHECK_OK(am_profile_kind(names[i], &kind));
         CHECK(kind == i);
         CHECK_OK(am_profile_describe(i, &name, &count));
@@ -30,7 +31,8 @@ static void kinds(void) {
     }
     kind = 77;
     CHECK_FAILS(am_profile_kind("cubic", &kind), AM_STATUS_INVALID_ARGUMENT,
-                "profile must be one of constant, linear, exponential, got \"cubic\"");
+                "profile must be one of constant, linear, exponential, spherical, tent, gaussian, "
+                "anisotropic_gaussian, radial_gaussian, got \"cubic\"");
     CHECK_FAILS(am_profile_kind(NULL, &kind), AM_STATUS_NULL_POINTER, "name");
     CHECK_FAILS(am_profile_kind("linear", NULL), AM_STATUS_NULL_POINTER, "kind");
     CHECK(kind == 77);

@@ -13,9 +13,11 @@ typedef struct arguments {
     am_profile_nodes profile, components[2];
     am_node sigma_t[4];
     am_medium_nodes medium;
+    am_planet_nodes planet;
 } arguments;
 
 static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 }, top[3] = { 0, 0, LENGTH };
+static const am_planet planet = { { 0, 0, -10 }, 10 };
 static const double t_max = 3, tau = 0.75, column = 0.75;
 
 static void put_arguments(arguments *a) {
@@ -38,6 +40,7 @@ static void put_arguments(arguments *a) {
     a->medium.sigma_t = a->sigma_t;
     a->medium.n_components = 2;
     a->medium.n_channels = 2;
+    a->planet = put_planet(&the_tape, &planet);
 }
 
 /* Records `call`, which writes `count` slots to `out`, and compares with `expected`. Then lets
@@ -104,6 +107,18 @@ static void medium_questions(void) {
             1, e);
 }
 
+static void planet_questions(void) {
+    double e[2];
+    CHECK_OK(am_planet_altitude_f64(&planet, top, e));
+    RECORDS(am_planet_altitude_record(host, &a.planet, a.top, out), 1, e);
+    CHECK_OK(am_planet_horizon_f64(&planet, top, e));
+    RECORDS(am_planet_horizon_record(host, &a.planet, a.top, out), 1, e);
+    CHECK_OK(am_planet_hit_f64(&planet, top, up, e));
+    RECORDS(am_planet_hit_record(host, &a.planet, a.top, a.up, out), 1, e);
+    CHECK_OK(am_planet_shell_f64(&planet, top, up, t_max, e, e + 1));
+    RECORDS(am_planet_shell_record(host, &a.planet, a.top, a.up, a.t_max, out, out + 1), 2, e);
+}
+
 static void mistakes(void) {
     am_host_table host = host_on(&the_tape);
     arguments a;
@@ -129,6 +144,7 @@ static void mistakes(void) {
 int main(void) {
     profile_questions();
     medium_questions();
+    planet_questions();
     mistakes();
     return REPORT();
 }

@@ -312,8 +312,8 @@ ARGUMENTS = {
 COSTS = {  # operations in single precision, literals aside
     "constant": {"density": 0, "column": 0, "inv_column": 0, "bounds": 0, "bounds_box": 0},
     "linear": {"density": 6, "column": 37, "inv_column": 37, "bounds": 127, "bounds_box": 191},
-    "exponential": {"density": 8, "column": 75, "inv_column": 80, "bounds": 165, "bounds_box": 229},
-    "exponential medium": {"transmittance": 81, "free_flight": 88, "pdf": 102},
+    "exponential": {"density": 8, "column": 75, "inv_column": 82, "bounds": 165, "bounds_box": 229},
+    "exponential medium": {"transmittance": 81, "free_flight": 90, "pdf": 102},
     "exponential and constant": {"transmittance": 86, "free_flight": 2594, "pdf": 112},
 }
 

@@ -143,11 +143,11 @@ def assert_same_brightness(a, b):
 
 @scalar_rgb
 def test_max_depth_of_1_is_the_sky_behind_the_fog(variant):
-    """It needs no samples: volpath asks of each whether it gets through."""
+    """It needs samples for the edge of the floor only: volpath plays for each to get through."""
     scene = scenes.valley(scenes.exponential_fog())
     volpath, ours = (render(scene, of, seed, max_depth=1) for of, seed in ((VOLPATH, 0), (OURS, 1)))
     assert_same_brightness(volpath, ours)
-    assert ours.var(0).sum() < 0.01 * volpath.var(0).sum()
+    assert ours.var(0).sum() < 0.2 * volpath.var(0).sum()
 
 
 @scalar_rgb
