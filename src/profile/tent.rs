@@ -63,15 +63,23 @@ pub(super) fn from_values<R: Real>(values: &[R]) -> Tent<R> {
     }
 }
 
-/// (s, ∫ (r − r₁) ds) of the part of a piece between the altitudes `low` and `high`, by (2).
-fn part<R: Real>(piece: &Piece<R>, low: R, high: R) -> (R, R) {
+/// (s, ∫ (r − r₁) ds) of the part of a piece between the altitudes `low` and `high`, by (2);
+/// `joins` another part at `low`.
+fn part<R: Real>(piece: &Piece<R>, low: R, high: R, joins: bool) -> (R, R) {
     let (zero, one) = (low.lit(0.0), low.lit(1.0));
     let least = low.lit(if low.digits() <= 24 { 1e-37 } else { 1e-300 });
     let root = |square: R| square.max(least).sqrt();
-    // The parts of a short climb add up to it, though altitudes round by more than it measures.
+    // Altitudes round by more than a short climb measures: its parts must add up to it.
     let from = (low - piece.altitude).max(zero);
-    let clipped = (high - piece.altitude.max(low)).min(piece.climb);
-    let climb = R::select(piece.outer.le(high), piece.climb - from, clipped);
+    let below = piece.outer.le(high);
+    let whole = below & low.le(piece.altitude);
+    let short = if joins {
+        below & piece.climb.lt(high - low)
+    } else {
+        whole
+    };
+    let clipped = (piece.outer.min(high) - piece.altitude.max(low)).min(piece.climb);
+    let climb = R::select(whole | short, piece.climb - from, clipped);
     let some = zero.lt(climb) & low.lt(piece.outer);
     let climb = R::select(some, climb, zero);
     let inner = R::select(some, piece.radius, one);
@@ -150,11 +158,11 @@ impl<R: Real> Tent<R> {
         let (zero, one) = (piece.altitude.lit(0.0), piece.altitude.lit(1.0));
         let (bottom, top) = (self.height - self.width, self.height + self.width);
 
-        let (s, bend) = part(piece, bottom, self.height);
+        let (s, bend) = part(piece, bottom, self.height, false);
         let start = (piece.altitude - bottom).max(zero) / self.width;
         let lower = start * s + bend / self.width;
 
-        let (s, bend) = part(piece, self.height, top);
+        let (s, bend) = part(piece, self.height, top, true);
         let start = one - (piece.altitude - self.height).max(zero) / self.width;
         let upper = start * s - bend / self.width;
         lower + upper.max(zero)
