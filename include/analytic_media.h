@@ -1215,6 +1215,559 @@ am_status am_profile_bounds_in_box_record(const struct am_host_table *host,
                                           am_node *inf,
                                           am_node *sup);
 
+// Chapman function C(z, θ): the column of a ray to infinity through an exponential
+// atmosphere, relative to that of a vertical ray from the same place. Dimensionless, > 0.
+//
+// `z` = r/H ≥ 0 is the distance from the centre in scale heights, `cos_zenith` in [−1, 1] is
+// positive upwards. The planet is transparent: below the horizontal the value grows to
+// 2 exp(z) − 1, and overflows to ∞. Relative error below 2e-14, in single precision 5e-7.
+// Source: article, Eq. 42; Chapman (1931).
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_batch_f64(size_t n,
+                               struct am_array_f64 z,
+                               struct am_array_f64 cos_zenith,
+                               double *value);
+
+// `am_chapman_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_batch_f32(size_t n,
+                               struct am_array_f32 z,
+                               struct am_array_f32 cos_zenith,
+                               float *value);
+
+// `am_chapman_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_record(const struct am_host_table *host,
+                            am_node z,
+                            am_node cos_zenith,
+                            am_node *value);
+
+// Natural logarithm of the Chapman function, finite where that overflows.
+//
+// # Safety
+// `value` points to one number.
+am_status am_log_chapman_f64(double z, double cos_zenith, double *value);
+
+// `am_log_chapman_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_log_chapman_f32(float z, float cos_zenith, float *value);
+
+// `am_log_chapman_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_log_chapman_batch_f64(size_t n,
+                                   struct am_array_f64 z,
+                                   struct am_array_f64 cos_zenith,
+                                   double *value);
+
+// `am_log_chapman_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_log_chapman_batch_f32(size_t n,
+                                   struct am_array_f32 z,
+                                   struct am_array_f32 cos_zenith,
+                                   float *value);
+
+// `am_log_chapman_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_log_chapman_record(const struct am_host_table *host,
+                                am_node z,
+                                am_node cos_zenith,
+                                am_node *value);
+
+// Rescaled Chapman function exp(Z − z) C(z, θ), `surface` = Z = R/H. Times H it is the column
+// of a ray where the density at the surface is 1. Source: article, Eq. 43.
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_rescaled_f64(double z, double surface, double cos_zenith, double *value);
+
+// `am_chapman_rescaled_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_rescaled_f32(float z, float surface, float cos_zenith, float *value);
+
+// `am_chapman_rescaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_rescaled_batch_f64(size_t n,
+                                        struct am_array_f64 z,
+                                        struct am_array_f64 surface,
+                                        struct am_array_f64 cos_zenith,
+                                        double *value);
+
+// `am_chapman_rescaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_rescaled_batch_f32(size_t n,
+                                        struct am_array_f32 z,
+                                        struct am_array_f32 surface,
+                                        struct am_array_f32 cos_zenith,
+                                        float *value);
+
+// `am_chapman_rescaled_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_rescaled_record(const struct am_host_table *host,
+                                     am_node z,
+                                     am_node surface,
+                                     am_node cos_zenith,
+                                     am_node *value);
+
+// Natural logarithm of the rescaled Chapman function.
+//
+// # Safety
+// `value` points to one number.
+am_status am_log_chapman_rescaled_f64(double z, double surface, double cos_zenith, double *value);
+
+// `am_log_chapman_rescaled_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_log_chapman_rescaled_f32(float z, float surface, float cos_zenith, float *value);
+
+// `am_log_chapman_rescaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_log_chapman_rescaled_batch_f64(size_t n,
+                                            struct am_array_f64 z,
+                                            struct am_array_f64 surface,
+                                            struct am_array_f64 cos_zenith,
+                                            double *value);
+
+// `am_log_chapman_rescaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_log_chapman_rescaled_batch_f32(size_t n,
+                                            struct am_array_f32 z,
+                                            struct am_array_f32 surface,
+                                            struct am_array_f32 cos_zenith,
+                                            float *value);
+
+// `am_log_chapman_rescaled_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_log_chapman_rescaled_record(const struct am_host_table *host,
+                                         am_node z,
+                                         am_node surface,
+                                         am_node cos_zenith,
+                                         am_node *value);
+
+// Chapman function of the upper hemisphere alone, 0 ≤ `cos_zenith` ≤ 1: half the operations
+// where it is recorded.
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_upper_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_upper_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_upper_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_upper_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_upper_batch_f64(size_t n,
+                                     struct am_array_f64 z,
+                                     struct am_array_f64 cos_zenith,
+                                     double *value);
+
+// `am_chapman_upper_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_upper_batch_f32(size_t n,
+                                     struct am_array_f32 z,
+                                     struct am_array_f32 cos_zenith,
+                                     float *value);
+
+// `am_chapman_upper_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_upper_record(const struct am_host_table *host,
+                                  am_node z,
+                                  am_node cos_zenith,
+                                  am_node *value);
+
+// Chapman function of the lower hemisphere alone, −1 ≤ `cos_zenith` ≤ 0.
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_lower_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_lower_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_lower_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_lower_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_lower_batch_f64(size_t n,
+                                     struct am_array_f64 z,
+                                     struct am_array_f64 cos_zenith,
+                                     double *value);
+
+// `am_chapman_lower_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_lower_batch_f32(size_t n,
+                                     struct am_array_f32 z,
+                                     struct am_array_f32 cos_zenith,
+                                     float *value);
+
+// `am_chapman_lower_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_lower_record(const struct am_host_table *host,
+                                  am_node z,
+                                  am_node cos_zenith,
+                                  am_node *value);
+
+// z exp(z) K₁(z), K₁ the modified Bessel function of the second kind: the Chapman function of
+// horizontal rays. 1 at z = 0. Source: article, Eq. 47.
+//
+// # Safety
+// `value` points to one number.
+am_status am_bessel_k1_scaled_f64(double z, double *value);
+
+// `am_bessel_k1_scaled_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_bessel_k1_scaled_f32(float z, float *value);
+
+// `am_bessel_k1_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_bessel_k1_scaled_batch_f64(size_t n,
+                                        struct am_array_f64 z,
+                                        double *value);
+
+// `am_bessel_k1_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_bessel_k1_scaled_batch_f32(size_t n,
+                                        struct am_array_f32 z,
+                                        float *value);
+
+// `am_bessel_k1_scaled_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_bessel_k1_scaled_record(const struct am_host_table *host,
+                                     am_node z,
+                                     am_node *value);
+
+// exp(x²) erfc(x), the scaled complementary error function, for any `x`; ∞ where it
+// overflows, below −26.6 (in single precision −9.3).
+//
+// # Safety
+// `value` points to one number.
+am_status am_erfcx_f64(double x, double *value);
+
+// `am_erfcx_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_erfcx_f32(float x, float *value);
+
+// `am_erfcx_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_batch_f64(size_t n,
+                             struct am_array_f64 x,
+                             double *value);
+
+// `am_erfcx_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_batch_f32(size_t n,
+                             struct am_array_f32 x,
+                             float *value);
+
+// `am_erfcx_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_erfcx_record(const struct am_host_table *host,
+                          am_node x,
+                          am_node *value);
+
+// Approximation of the Chapman function for large `z` > 0. Relative error upwards 8 % at
+// z = 1, 3e-5 at 100, 1e-6 beyond 800. Source: article, Eq. 46 to 48; Huestis (2001).
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_huestis_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_huestis_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_huestis_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_huestis_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_huestis_batch_f64(size_t n,
+                                       struct am_array_f64 z,
+                                       struct am_array_f64 cos_zenith,
+                                       double *value);
+
+// `am_chapman_huestis_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_huestis_batch_f32(size_t n,
+                                       struct am_array_f32 z,
+                                       struct am_array_f32 cos_zenith,
+                                       float *value);
+
+// `am_chapman_huestis_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_huestis_record(const struct am_host_table *host,
+                                    am_node z,
+                                    am_node cos_zenith,
+                                    am_node *value);
+
+// Approximation of z exp(z) K₁(z) for large `z` > 0. Relative error 4 % at z = 1, 1e-7 at 100.
+// Source: article, Eq. 47; Huestis (2001).
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_horizontal_huestis_f64(double z, double *value);
+
+// `am_chapman_horizontal_huestis_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_horizontal_huestis_f32(float z, float *value);
+
+// `am_chapman_horizontal_huestis_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_horizontal_huestis_batch_f64(size_t n,
+                                                  struct am_array_f64 z,
+                                                  double *value);
+
+// `am_chapman_horizontal_huestis_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_horizontal_huestis_batch_f32(size_t n,
+                                                  struct am_array_f32 z,
+                                                  float *value);
+
+// `am_chapman_horizontal_huestis_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_horizontal_huestis_record(const struct am_host_table *host,
+                                               am_node z,
+                                               am_node *value);
+
+// Approximation of the Chapman function upwards, `z` > 0. Relative error 12 % at z = 100,
+// 15 % beyond. Source: article, Eq. 49; Schüler (2012).
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_schueler_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_schueler_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_schueler_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_schueler_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_schueler_batch_f64(size_t n,
+                                        struct am_array_f64 z,
+                                        struct am_array_f64 cos_zenith,
+                                        double *value);
+
+// `am_chapman_schueler_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_schueler_batch_f32(size_t n,
+                                        struct am_array_f32 z,
+                                        struct am_array_f32 cos_zenith,
+                                        float *value);
+
+// `am_chapman_schueler_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_schueler_record(const struct am_host_table *host,
+                                     am_node z,
+                                     am_node cos_zenith,
+                                     am_node *value);
+
+// Approximation of the Chapman function upwards, `z` > 0, by a rational function and square
+// roots. Source: draft of the article, Eq. 45; Kocifaj (1996).
+//
+// # Safety
+// `value` points to one number.
+am_status am_chapman_kocifaj_f64(double z, double cos_zenith, double *value);
+
+// `am_chapman_kocifaj_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_chapman_kocifaj_f32(float z, float cos_zenith, float *value);
+
+// `am_chapman_kocifaj_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_kocifaj_batch_f64(size_t n,
+                                       struct am_array_f64 z,
+                                       struct am_array_f64 cos_zenith,
+                                       double *value);
+
+// `am_chapman_kocifaj_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_chapman_kocifaj_batch_f32(size_t n,
+                                       struct am_array_f32 z,
+                                       struct am_array_f32 cos_zenith,
+                                       float *value);
+
+// `am_chapman_kocifaj_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_chapman_kocifaj_record(const struct am_host_table *host,
+                                    am_node z,
+                                    am_node cos_zenith,
+                                    am_node *value);
+
+// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 1.8e-6.
+// Source: article, `Exp2Erfc`.
+//
+// # Safety
+// `value` points to one number.
+am_status am_erfcx_golubev_f64(double x, double *value);
+
+// `am_erfcx_golubev_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_erfcx_golubev_f32(float x, float *value);
+
+// `am_erfcx_golubev_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_golubev_batch_f64(size_t n,
+                                     struct am_array_f64 x,
+                                     double *value);
+
+// `am_erfcx_golubev_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_golubev_batch_f32(size_t n,
+                                     struct am_array_f32 x,
+                                     float *value);
+
+// `am_erfcx_golubev_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_erfcx_golubev_record(const struct am_host_table *host,
+                                  am_node x,
+                                  am_node *value);
+
+// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.3e-3.
+// Source: draft of the article, Eq. 44; Ren and MacKenzie (2007).
+//
+// # Safety
+// `value` points to one number.
+am_status am_erfcx_ren_mackenzie_f64(double x, double *value);
+
+// `am_erfcx_ren_mackenzie_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_erfcx_ren_mackenzie_f32(float x, float *value);
+
+// `am_erfcx_ren_mackenzie_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_ren_mackenzie_batch_f64(size_t n,
+                                           struct am_array_f64 x,
+                                           double *value);
+
+// `am_erfcx_ren_mackenzie_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_erfcx_ren_mackenzie_batch_f32(size_t n,
+                                           struct am_array_f32 x,
+                                           float *value);
+
+// `am_erfcx_ren_mackenzie_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_erfcx_ren_mackenzie_record(const struct am_host_table *host,
+                                        am_node x,
+                                        am_node *value);
+
 // What a status means, in a few words. Never null; the string lives for ever.
 // Numbers that are no status give "unknown status".
 const char *am_status_message(int32_t status);

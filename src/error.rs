@@ -1,6 +1,7 @@
 //! The one error of constructors: which argument, what it must be, what it was.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// An argument outside its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,5 +79,33 @@ pub(crate) fn unit(argument: &'static str, vector: [f64; 3]) -> Result<[f64; 3],
         Ok(vector)
     } else {
         Err(Error::new(argument, "must be a unit vector", vector))
+    }
+}
+
+/// `value`, if it is the cosine of an angle.
+pub(crate) fn cosine(argument: &'static str, value: f64) -> Result<f64, Error> {
+    within(argument, value, -1.0..=1.0, "must be in [-1, 1]")
+}
+
+/// `value`, if it is the cosine of the zenith angle of a direction that does not lead down.
+pub(crate) fn upward_cosine(argument: &'static str, value: f64) -> Result<f64, Error> {
+    within(argument, value, 0.0..=1.0, "must be in [0, 1]")
+}
+
+/// `value`, if it is the cosine of the zenith angle of a direction that does not lead up.
+pub(crate) fn downward_cosine(argument: &'static str, value: f64) -> Result<f64, Error> {
+    within(argument, value, -1.0..=0.0, "must be in [-1, 0]")
+}
+
+fn within(
+    argument: &'static str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    reason: &'static str,
+) -> Result<f64, Error> {
+    if range.contains(&value) {
+        Ok(value)
+    } else {
+        Err(Error::new(argument, reason, value))
     }
 }

@@ -14,10 +14,12 @@
 mod arg;
 mod array;
 mod describe;
+mod function;
 mod geometry;
 mod medium;
 mod profile;
 mod query;
+mod special;
 mod status;
 
 pub use crate::real::node::{AmHostTable, AmNode};
@@ -26,6 +28,7 @@ pub use describe::*;
 pub use geometry::*;
 pub use medium::*;
 pub use profile::*;
+pub use special::*;
 pub use status::*;
 
 use crate::error::Error;

@@ -26,7 +26,7 @@
 //! `tests/geometry.rs` states the errors.
 
 use super::{Ray, Vector, dot, norm};
-use crate::real::Real;
+use crate::real::{Real, difference};
 
 /// The surface that altitudes are counted from.
 #[derive(Clone, Copy, Debug)]
@@ -300,12 +300,4 @@ impl<R: Real> Passage<R> {
         };
         (first, second, turns)
     }
-}
-
-/// a − b, and what its rounding loses: their sum is exact.
-fn difference<R: Real>(a: R, b: R) -> (R, R) {
-    let rounded = a - b;
-    let from_b = rounded - a;
-    let from_a = rounded - from_b;
-    (rounded, (a - from_a) - (b + from_b))
 }

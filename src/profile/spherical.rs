@@ -30,7 +30,7 @@ use crate::geometry::planet::{Passage, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either};
 use crate::solve;
-use crate::special::chapman::arc;
+use crate::special::arc::arc;
 use crate::special::rel::psi;
 use crate::special::tail;
 use std::f64::consts::FRAC_2_SQRT_PI;

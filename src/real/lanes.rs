@@ -213,6 +213,14 @@ macro_rules! lanes {
             fn mul_add(self, a: Self, b: Self) -> Self {
                 Self(self.0.mul_add(a.0, b.0))
             }
+            // Baseline x86-64 has no vector fma, and then `mul_add` has two roundings.
+            #[inline]
+            fn product_rest(self, other: Self) -> Self {
+                let (a, b) = (self.0.to_array(), other.0.to_array());
+                Self($wide::from(std::array::from_fn::<_, $count, _>(|i| {
+                    a[i].product_rest(b[i])
+                })))
+            }
             #[inline]
             fn detach(self) -> Self {
                 self

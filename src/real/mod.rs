@@ -66,6 +66,12 @@ pub trait Real:
     /// self · a + b, with one rounding where the hardware has it.
     #[must_use]
     fn mul_add(self, a: Self, b: Self) -> Self;
+    /// What rounding took from the product: self · other − fl(self · other), exactly where
+    /// [`Real::mul_add`] has one rounding, and nothing elsewhere.
+    #[must_use]
+    fn product_rest(self, other: Self) -> Self {
+        self.mul_add(other, -(self * other))
+    }
     /// The value without its derivatives.
     #[must_use]
     fn detach(self) -> Self;
@@ -120,4 +126,12 @@ pub(crate) fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
     rest.iter()
         .rev()
         .fold(x.lit(*last), |sum, &c| sum.mul_add(x, x.lit(c)))
+}
+
+/// a − b, and what its rounding loses: their sum is exact.
+pub(crate) fn difference<R: Real>(a: R, b: R) -> (R, R) {
+    let rounded = a - b;
+    let from_b = rounded - a;
+    let from_a = rounded - from_b;
+    (rounded, (a - from_a) - (b + from_b))
 }

@@ -73,6 +73,10 @@ macro_rules! scalar {
                 }
             }
             #[inline]
+            fn product_rest(self, other: Self) -> Self {
+                $float::mul_add(self, other, -(self * other))
+            }
+            #[inline]
             fn detach(self) -> Self {
                 self
             }

@@ -4,7 +4,7 @@
 //!
 //! With x² = a + y, y is the exponent gained since the start: e^(−y) = 1 there and e^(−Y) at
 //! the end. The Chapman function and columns around a planet have a smooth algebraic g (see
-//! `super::chapman`), erfcx and columns of Gaussians a constant one.
+//! `super::arc`), erfcx and columns of Gaussians a constant one.
 //!
 //! The start is factored out and the length of the interval is Y/(√(a+Y) + √a), so nothing
 //! cancels, however short the interval or large a. One rule of [`super::gauss_legendre`]

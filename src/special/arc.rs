@@ -1,0 +1,85 @@
+//! What columns around a planet and the Chapman function are made of: a piece of a ray that
+//! leads outwards.
+//!
+//! Lengths are in scale heights: r is the distance from the centre, p that of the perigee, where
+//! the ray's line is closest to the centre. A piece of a ray that leads outwards, from r₀ = p + a
+//! over the heights y = 0 … Y, has the column
+//!
+//!     A(p, a, Y) = ∫ e^(−y) ds = ∫_√a^√(a+Y) e^(a − x²) g(x²) dx,
+//!     g(w) = 2 (w + p)/√(w + 2p)                                          (1)
+//!
+//! relative to the density at its inner end; [`super::decay`] evaluates it. g is singular at
+//! w = −2p only, so that one rule serves all p ≥ 1, from the horizontal to the vertical. Rays
+//! that pass the centre at p < 1 have a core, r ≤ 1, with the column
+//!
+//!     ∫ e^(−r) ds = Σ (−1)ⁿ/n! Mₙ,   Mₙ = ∫ rⁿ ds = (s rⁿ + n p² Mₙ₋₂)/(n + 1)   (2)
+//!
+//! s being the distance from the perigee, M₀ = s and M₁ = (s r + p² artanh(s/r))/2; beyond it
+//! they have (1) from r₀ = 1. Short pieces of a core, Y ≤ (a + 2p)/4, have (1) as well.
+
+use super::decay::decay;
+use crate::real::{Real, either};
+
+/// A(p, a, Y) of (1): `perigee` = p ≥ 0, `start` = a ≥ 0 and the `range` Y ≥ 0 in scale
+/// heights; Y may be infinite. p and a may be as large as the format holds.
+pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
+    let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
+    // g is 0/0 at the centre itself.
+    let least = if perigee.digits() <= 24 {
+        1e-37
+    } else {
+        1e-300
+    };
+    let perigee = perigee.max(perigee.lit(least));
+    // Height of the core, in which the series (2) takes over.
+    let core = one - perigee;
+    // A piece that is short beside its distance from the singularity needs no series.
+    let long = (start + perigee + perigee).lt(range * range.lit(4.0));
+    let cuts = start.lt(core) & long;
+    let begin = R::select(cuts, core, start);
+    let skipped = (begin - start).min(range);
+    let (half, quarter) = (perigee * perigee.lit(0.5), perigee.lit(0.25));
+    let outside = decay(begin.sqrt(), range - skipped, |w| {
+        (w + perigee) / w.mul_add(quarter, half).sqrt()
+    });
+    let inside = |perigee: R| {
+        let end = R::select(cuts, (start + range).min(core), zero);
+        let start = R::select(cuts, start, zero);
+        let column = series(perigee, end) - series(perigee, start);
+        (perigee + start).exp() * column.max(zero)
+    };
+    either(
+        cuts,
+        || inside(R::select(cuts, perigee, zero)) + (-skipped).exp() * outside,
+        || outside,
+    )
+}
+
+/// (2) from the perigee p < 1 to the height `height` above it, p + height ≤ 1.
+fn series<R: Real>(perigee: R, height: R) -> R {
+    let one = perigee.lit(1.0);
+    let square = perigee * perigee;
+    let radius = perigee + height;
+    let distance = (height * (radius + perigee)).sqrt();
+
+    // p² artanh(s/r) = p² ln((r + s)/p); nothing through the centre.
+    let some = perigee.lit(0.0).lt(square);
+    let sum = (radius + distance) / R::select(some, perigee, one);
+    let area = R::select(some, square * sum.max(one).ln(), perigee.lit(0.0));
+
+    let mut moments = (distance, (distance * radius + area) * perigee.lit(0.5));
+    let mut sum = moments.0 - moments.1;
+    let mut power = radius;
+    let mut factor = -1.0;
+    let terms = if perigee.digits() <= 24 { 11 } else { 19 };
+    for n in 2..terms {
+        power = power * radius;
+        factor /= -f64::from(n);
+        let degree = f64::from(n);
+        let moment = (distance * power + square * moments.0 * perigee.lit(degree))
+            * perigee.lit(1.0 / (degree + 1.0));
+        sum = sum + moment * perigee.lit(factor);
+        moments = (moments.1, moment);
+    }
+    sum
+}
