@@ -90,22 +90,4 @@ static am_host_table host_on(tape *t) {
     return host;
 }
 
-static am_planet_nodes put_planet(tape *t, const am_planet *planet) {
-    am_planet_nodes nodes;
-    int i;
-    for (i = 0; i < 3; ++i)
-        nodes.center[i] = put(t, planet->center[i]);
-    nodes.radius = put(t, planet->radius);
-    return nodes;
-}
-
-static am_profile_nodes put_profile(tape *t, const am_profile *profile) {
-    am_profile_nodes nodes;
-    int i;
-    nodes.kind = profile->kind;
-    for (i = 0; i < AM_PROFILE_VALUES; ++i)
-        nodes.values[i] = put(t, profile->values[i]);
-    return nodes;
-}
-
 #endif

@@ -20,6 +20,24 @@ static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 }, top[3] = { 0, 
 static const am_planet planet = { { 0, 0, -10 }, 10 };
 static const double t_max = 3, tau = 0.75, column = 0.75;
 
+static am_planet_nodes put_planet(tape *t, const am_planet *planet) {
+    am_planet_nodes nodes;
+    int i;
+    for (i = 0; i < 3; ++i)
+        nodes.center[i] = put(t, planet->center[i]);
+    nodes.radius = put(t, planet->radius);
+    return nodes;
+}
+
+static am_profile_nodes put_profile(tape *t, const am_profile *profile) {
+    am_profile_nodes nodes;
+    int i;
+    nodes.kind = profile->kind;
+    for (i = 0; i < AM_PROFILE_VALUES; ++i)
+        nodes.values[i] = put(t, profile->values[i]);
+    return nodes;
+}
+
 static void put_arguments(arguments *a) {
     int i;
     for (i = 0; i < 3; ++i) {

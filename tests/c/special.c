@@ -1,0 +1,125 @@
+/* Special functions: every form has the known value, and names bad arguments. */
+
+#include "check.h"
+#include "host.h"
+
+static tape the_tape;
+static const double z = 795, surface = 790, cosine = 0.3, down = -0.3, x = 1.5;
+
+/* Values of the reference tables' definitions, to 17 digits. */
+#define CHAPMAN 3.292604737667649
+#define CHAPMAN_DOWN 5.5257244536609069e17
+#define K1 35.354787400043253
+#define ERFCX 0.3215854164543175
+
+/* All forms of a function of `ARGUMENTS`, once as they are and once in single precision. */
+#define FORMS(name, expected, tolerance, ARGUMENTS, SINGLE, ARRAYS, SINGLE_ARRAYS, SLOTS)          \
+    do {                                                                                           \
+        double a = 0, many[3] = { 0, 0, 0 };                                                       \
+        float b = 0, many_f32[3] = { 0, 0, 0 };                                                    \
+        am_host_table host = host_on(&the_tape);                                                   \
+        am_node out = 0;                                                                           \
+        CHECK_OK(am_##name##_f64(ARGUMENTS, &a));                                                  \
+        CHECK_NEAR(a, expected, (tolerance) + 2e-14);                                              \
+        CHECK_OK(am_##name##_f32(SINGLE, &b));                                                     \
+        CHECK_NEAR(b, expected, (tolerance) + 5e-6);                                               \
+        CHECK_OK(am_##name##_batch_f64(3, ARRAYS, many));                                          \
+        CHECK_NEAR(many[2], expected, (tolerance) + 2e-14);                                        \
+        CHECK_OK(am_##name##_batch_f32(3, SINGLE_ARRAYS, many_f32));                               \
+        CHECK_NEAR(many_f32[2], expected, (tolerance) + 5e-6);                                     \
+        CHECK_OK(am_##name##_record(&host, SLOTS, &out));                                          \
+        CHECK_NEAR(the_tape.values[out], expected, (tolerance) + 2e-14);                           \
+    } while (0)
+
+#define COMMA ,
+#define SLOT(value) put(&the_tape, value)
+#define ONE(name, expected, tolerance, p)                                                          \
+    do {                                                                                           \
+        const float p##_f32 = (float) p;                                                           \
+        const am_array_f64 ps = { &p, 0 };                                                         \
+        const am_array_f32 ps_f32 = { &p##_f32, 0 };                                               \
+        FORMS(name, expected, tolerance, p, p##_f32, ps, ps_f32, SLOT(p));                         \
+    } while (0)
+#define TWO(name, expected, tolerance, p, q)                                                       \
+    do {                                                                                           \
+        const float p##_f32 = (float) p, q##_f32 = (float) q;                                      \
+        const am_array_f64 ps = { &p, 0 }, qs = { &q, 0 };                                         \
+        const am_array_f32 ps_f32 = { &p##_f32, 0 }, qs_f32 = { &q##_f32, 0 };                     \
+        FORMS(name, expected, tolerance, p COMMA q, p##_f32 COMMA q##_f32, ps COMMA qs,            \
+              ps_f32 COMMA qs_f32, SLOT(p) COMMA SLOT(q));                                         \
+    } while (0)
+#define THREE(name, expected, tolerance, p, q, r)                                                  \
+    do {                                                                                           \
+        const float p##_f32 = (float) p, q##_f32 = (float) q, r##_f32 = (float) r;                 \
+        const am_array_f64 ps = { &p, 0 }, qs = { &q, 0 }, rs = { &r, 0 };                         \
+        const am_array_f32 ps_f32 = { &p##_f32, 0 }, qs_f32 = { &q##_f32, 0 },                     \
+                           rs_f32 = { &r##_f32, 0 };                                               \
+        FORMS(name, expected, tolerance, p COMMA q COMMA r, p##_f32 COMMA q##_f32 COMMA r##_f32,   \
+              ps COMMA qs COMMA rs, ps_f32 COMMA qs_f32 COMMA rs_f32,                              \
+              SLOT(p) COMMA SLOT(q) COMMA SLOT(r));                                                \
+    } while (0)
+
+static void accurate(void) {
+    TWO(chapman, CHAPMAN, 0, z, cosine);
+    TWO(chapman_upper, CHAPMAN, 0, z, cosine);
+    TWO(chapman_lower, CHAPMAN_DOWN, 0, z, down);
+    TWO(log_chapman, log(CHAPMAN), 0, z, cosine);
+    THREE(chapman_rescaled, exp(surface - z) * CHAPMAN, 0, z, surface, cosine);
+    THREE(log_chapman_rescaled, surface - z + log(CHAPMAN), 0, z, surface, cosine);
+    ONE(bessel_k1_scaled, K1, 0, z);
+    ONE(erfcx, ERFCX, 0, x);
+}
+
+/* Within the errors of their documentation. */
+static void approximations(void) {
+    TWO(chapman_huestis, CHAPMAN, 1.2e-6, z, cosine);
+    TWO(chapman_schueler, CHAPMAN, 0.15, z, cosine);
+    TWO(chapman_kocifaj, CHAPMAN, 3.5e-3, z, cosine);
+    ONE(chapman_horizontal_huestis, K1, 2.1e-10, z);
+    ONE(erfcx_golubev, ERFCX, 1.6e-6, x);
+    ONE(erfcx_ren_mackenzie, ERFCX, 3.4e-3, x);
+}
+
+static void mistakes(void) {
+    static const double cosines[3] = { 0.5, -0.5, 1.5 };
+    static const am_array_f64 some = { cosines, 1 }, all = { &z, 0 }, none = { NULL, 1 };
+    double out[3] = { 77, 77, 77 };
+    CHECK_FAILS(am_chapman_f64(-1, cosine, out), AM_STATUS_INVALID_ARGUMENT,
+                "z must be finite and >= 0, got -1");
+    CHECK_FAILS(am_chapman_f32(1, 1.5f, (float *) out), AM_STATUS_INVALID_ARGUMENT,
+                "cos_zenith must be in [-1, 1], got 1.5");
+    CHECK_FAILS(am_chapman_f64(1, NAN, out), AM_STATUS_INVALID_ARGUMENT, "cos_zenith");
+    CHECK_FAILS(am_chapman_upper_f64(1, down, out), AM_STATUS_INVALID_ARGUMENT, "[0, 1]");
+    CHECK_FAILS(am_chapman_lower_f64(1, cosine, out), AM_STATUS_INVALID_ARGUMENT, "[-1, 0]");
+    CHECK_FAILS(am_chapman_huestis_f64(0, cosine, out), AM_STATUS_INVALID_ARGUMENT, "> 0");
+    CHECK_FAILS(am_chapman_batch_f64(3, all, some, out), AM_STATUS_INVALID_ARGUMENT,
+                "cos_zenith must be in [-1, 1], got 1.5 at item 2");
+    CHECK_FAILS(am_chapman_batch_f64(3, none, all, out), AM_STATUS_NULL_POINTER, "z.data");
+    CHECK_FAILS(am_erfcx_f64(x, NULL), AM_STATUS_NULL_POINTER, "value");
+    CHECK(out[0] == 77 && out[1] == 77 && out[2] == 77);
+    CHECK_OK(am_chapman_batch_f64(0, none, none, NULL));
+}
+
+/* Each operation of a recording fails in turn. */
+static void failing_hosts(void) {
+    am_host_table host = host_on(&the_tape);
+    const am_node p = SLOT(z), q = SLOT(cosine), first = the_tape.used;
+    am_node out = 77, last;
+    CHECK_OK(am_chapman_record(&host, p, q, &out));
+    last = the_tape.used;
+    out = 77;
+    for (the_tape.fails_at = first + 1; the_tape.fails_at <= last; ++the_tape.fails_at) {
+        the_tape.used = first;
+        CHECK_FAILS(am_chapman_record(&host, p, q, &out), AM_STATUS_HOST_ERROR, "slot 0");
+        CHECK(out == 77);
+    }
+    CHECK_FAILS(am_chapman_record(NULL, p, q, &out), AM_STATUS_NULL_POINTER, "host");
+}
+
+int main(void) {
+    accurate();
+    approximations();
+    mistakes();
+    failing_hosts();
+    return REPORT();
+}
