@@ -5,11 +5,12 @@
     fog = am.Medium([(am.Exponential(scale_height=20), 0.1)])
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
-`am.jit` asks the same of Dr.Jit arrays; `am.earth()` and its like are scenes for Mitsuba. Importing
-the package makes its plugins known to Mitsuba, where that is installed.
+`am.special` has the functions behind it; `am.jit` asks the same of Dr.Jit arrays; `am.earth()` and
+its like are scenes for Mitsuba. Importing the package makes its plugins known to Mitsuba, where that
+is installed.
 """
 
-from . import jit, presets
+from . import jit, presets, special
 from ._native import version as _version
 from ._plugins import register as _register
 from .geometry import Planet
@@ -26,6 +27,7 @@ from .profiles import (
     Spherical,
     Tent,
 )
+from .special import bessel_k1_scaled, chapman, erfcx, log_chapman
 
 __all__ = [
     "AnisotropicGaussian",
@@ -39,11 +41,16 @@ __all__ = [
     "RadialGaussian",
     "Spherical",
     "Tent",
+    "bessel_k1_scaled",
+    "chapman",
     "earth",
+    "erfcx",
     "height_fog",
     "jit",
+    "log_chapman",
     "mars",
     "presets",
+    "special",
     "titan",
 ]
 __version__ = _version()

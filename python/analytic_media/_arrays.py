@@ -45,12 +45,19 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
+def unchecked(name, value) -> Argument:
+    """Numbers whose range the library checks."""
+    return Argument(name, value, (), lambda name, array: None)
+
+
 def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
     """Segments: origins, directions and lengths."""
     return point("o", o), direction("d", d), amount("t", t)
 
 
-def answer(model: _native.Model, question: str, *inputs: Argument | int, outputs=1, width=()):
+def answer(
+    model: _native.Model | None, question: str, *inputs: Argument | int, outputs=1, width=()
+):
     """Ask `question` for every item of the broadcast arguments.
 
     Returns an array of the shape of the broadcast items, followed by `width`; a tuple of such

@@ -188,18 +188,29 @@ class Items(NamedTuple):
     stride: int
 
 
-def ask(model: Model, question: str, n: int, inputs: Sequence[Items | int], outputs) -> None:
-    """Ask `question` for `n` items; write to `outputs`, contiguous arrays of one float type."""
+def ask(model: Model | None, question: str, n: int, inputs: Sequence[Items | int], outputs) -> None:
+    """Ask `question` for `n` items; write to `outputs`, contiguous arrays of one float type.
+
+    Without a model, `question` is a function of numbers.
+    """
     form, number = _FORMS[outputs[0].dtype]
 
     def strided(items):
         data = _ffi.cast(f"const {number} *", items.array.ctypes.data)
         return _ffi.new(f"am_array_{form} *", [data, items.stride])[0]
 
-    function = getattr(_lib, f"am_{model.name}_{question}_batch_{form}")
+    function = getattr(_lib, f"am_{_prefix(model)}{question}_batch_{form}")
     arguments = [item if isinstance(item, int) else strided(item) for item in inputs]
     results = [_ffi.cast(f"{number} *", output.ctypes.data) for output in outputs]
-    _check(function(model.pointer, n, *arguments, *results))
+    _check(function(*_pointer(model), n, *arguments, *results))
+
+
+def _prefix(model: Model | None) -> str:
+    return f"{model.name}_" if model else ""
+
+
+def _pointer(model: Model | None) -> list:
+    return [model.pointer] if model else []
 
 
 # ---- Recording -------------------------------------------------------------------------------
@@ -232,16 +243,19 @@ class Recording:
         pointer = _ffi.new("am_medium_nodes *", [structs, slots, len(sigma_t), len(sigma_t[0])])
         return Model("medium", pointer, (structs, slots))
 
-    def ask(self, model: Model, question: str, inputs: Sequence, outputs: int, width: int) -> list:
+    def ask(
+        self, model: Model | None, question: str, inputs: Sequence, outputs: int, width: int
+    ) -> list:
         """The results of `question`: `outputs` lists of `width` values of the host.
 
-        `inputs` are tuples of one value (numbers) or three (points), or ints (indices).
+        Without a model, `question` is a function of numbers. `inputs` are tuples of one value
+        (numbers) or three (points), or ints (indices).
         Raises what a method of the host raised.
         """
         results = [_ffi.new("am_node[]", width) for _ in range(outputs)]
         arguments = [self._argument(value) for value in inputs]
-        function = getattr(_lib, f"am_{model.name}_{question}_record")
-        status = function(self._table, model.pointer, *arguments, *results)
+        function = getattr(_lib, f"am_{_prefix(model)}{question}_record")
+        status = function(self._table, *_pointer(model), *arguments, *results)
         if self._error is not None:
             raise self._error
         _check(status)

@@ -206,6 +206,19 @@ class Medium:
         return tuple(r[0] if single or self._scalar else r for r in results)
 
 
+def special(function: str, *arguments: Array, host: Host | None = None) -> Array:
+    """A function of `analytic_media.special`, answered by a host: `special("chapman", z, mu)`.
+
+    Arguments are not checked. Raises AttributeError for a function that does not exist.
+    """
+    inputs = [_number(f"argument {i}", value) for i, value in enumerate(arguments)]
+    host = host or _drjit_host(chain(*inputs))
+    recording = _native.Recording(host)
+    lifted = [_lift(host, i) for i in inputs]
+    ((value,),) = recording.ask(None, function, lifted, 1, 1)
+    return value
+
+
 # ---- Numbers, points, channels ---------------------------------------------------------------
 
 

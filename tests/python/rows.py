@@ -8,15 +8,21 @@ import analytic_media as am
 TABLES = Path(__file__).parents[1] / "reference"
 
 
-def table(name):
-    """All rows, with their profiles; components of sums are sorted."""
+def read(name):
+    """All rows, as they are."""
     data = json.loads((TABLES / f"{name}.json").read_text())
     assert len(data["rows"]) == data["count"]
-    for row in data["rows"]:
+    return data["rows"]
+
+
+def table(name):
+    """All rows, with their profiles; components of sums are sorted."""
+    selected = read(name)
+    for row in selected:
         parts = row.get("components") or [row]
         parts.sort(key=lambda part: part["profile"]["type"])
         row["profiles"] = [profile(part["profile"]) for part in parts]
-    return data["rows"]
+    return selected
 
 
 def profile(description):
