@@ -6,8 +6,8 @@
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
 `am.special` has the functions behind it; `am.jit` asks the same of Dr.Jit arrays; `am.earth()` and
-its like are scenes for Mitsuba. Importing the package makes its plugins known to Mitsuba, where that
-is installed.
+its like are scenes for Mitsuba. Importing the package makes its plugins known to Mitsuba, if it is
+installed.
 """
 
 from . import jit, presets, special
