@@ -211,7 +211,7 @@ const char *am_version(void);
 // Never null; empty if no call has failed. Valid until the next call of this thread fails.
 const char *am_last_error(void);
 
-// The number of the kind of profile called `name`: "constant", "linear", "exponential".
+// The number of the kind of profile called `name`, for example "exponential".
 //
 // # Safety
 // `name` is a string that ends with a zero; `kind` points to one number.
@@ -1220,7 +1220,7 @@ am_status am_profile_bounds_in_box_record(const struct am_host_table *host,
 //
 // `z` = r/H ≥ 0 is the distance from the centre in scale heights, `cos_zenith` in [−1, 1] is
 // positive upwards. The planet is transparent: below the horizontal the value grows to
-// 2 exp(z) − 1, and overflows to ∞. Relative error below 2e-14, in single precision 5e-7.
+// 2 exp(z) − 1, and overflows to ∞. Relative error below 1e-13, in single precision 1e-6.
 // Source: article, Eq. 42; Chapman (1931).
 //
 // # Safety
@@ -1731,7 +1731,7 @@ am_status am_erfcx_golubev_record(const struct am_host_table *host,
                                   am_node x,
                                   am_node *value);
 
-// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.3e-3.
+// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.4e-3.
 // Source: draft of the article, Eq. 44; Ren and MacKenzie (2007).
 //
 // # Safety
