@@ -11,8 +11,35 @@
 #include "channels.h"
 #include "component.h"
 #include "extent.h"
+#include "spectral_sampling.h"
 
 namespace mitsuba {
+
+/// What became of a path on its way through a medium.
+template <typename Float, typename UnpolarizedSpectrum> struct Flight {
+    /// Distance of the collision, infinite if there is none.
+    Float t;
+    /// Contribution over probability.
+    UnpolarizedSpectrum weight;
+    /// Transmittance of all the way.
+    UnpolarizedSpectrum past;
+    /// Of a collision: it scatters, or it is a null collision; else it absorbs.
+    dr::mask_t<Float> scatters, passes;
+
+    DRJIT_STRUCT(Flight, t, weight, past, scatters, passes)
+};
+
+/// Variates of a flight, uniform in [0, 1).
+template <typename Float> struct FlightVariates {
+    /// Whether it collides, and in which channel.
+    Float event;
+    /// What a collision is.
+    Float kind;
+    /// Where: as many as there are components.
+    Vector<Float, 4> place;
+
+    DRJIT_STRUCT(FlightVariates, event, kind, place)
+};
 
 /// Medium is the only base and comes first: its pointers are ours, in Dr.Jit's registry too.
 template <typename Float, typename Spectrum> class FormulaMedium : public Medium<Float, Spectrum> {
@@ -20,6 +47,8 @@ public:
     MI_IMPORT_BASE(Medium, m_is_homogeneous, m_has_spectral_extinction)
     MI_IMPORT_TYPES()
     using Component = mitsuba::Component<Float, Spectrum>;
+    using Flight = mitsuba::Flight<Float, UnpolarizedSpectrum>;
+    using FlightVariates = mitsuba::FlightVariates<Float>;
 
     void parameters_changed(const std::vector<std::string> & /* keys */ = {}) override {
         for (ref<Component> &component : m_components)
@@ -68,8 +97,7 @@ public:
     size_t components() const { return m_components.size(); }
 
     /**
-     * A flight along `ray`: the distance of its collision, infinite if it passes; its weight; and
-     * the transmittance of all the way.
+     * A flight along `ray` by the `rules` of an integrator.
      *
      * Flights collide with `gain` times the probability of the model, but at most surely, and are
      * weighted for it. That is of use where the light behind the medium is added without sampling.
@@ -81,15 +109,12 @@ public:
      * sum of theirs.
      *
      * \param reach  where the flight ends at the latest: may be infinite
-     * \param throughput  of the path so far: the channel to sample is chosen in proportion to
-     *    what it loses
-     * \param u_event  uniform variate in [0, 1)
-     * \param u  uniform variates in [0, 1), as many as there are components
+     * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
+     *    to what it loses
      */
-    std::tuple<Float, UnpolarizedSpectrum, UnpolarizedSpectrum>
-    sample_flight(const Ray3f &ray, const Float &reach, const Float &gain,
-                  const UnpolarizedSpectrum &throughput, const Float &u_event, const Vector4f &u,
-                  Mask active) const {
+    Flight sample_flight(const FlightRules &rules, const Ray3f &ray, const Float &reach,
+                         const Float &gain, const UnpolarizedSpectrum &throughput,
+                         const FlightVariates &u, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, reach);
@@ -97,33 +122,41 @@ public:
         UnpolarizedSpectrum depth = 0.f;
         for (const Part &part : parts)
             depth += part.depth;
-        const UnpolarizedSpectrum past =
-            dr::exp(-(depth + absorbed(segment, segment.length, mi, active)));
 
-        // Whether it collides, and in which channel.
-        const UnpolarizedSpectrum start = channel_chances(throughput), lost = opacity(depth),
-                                  loss = start * lost;
-        const Float natural = dr::sum(loss), chance = dr::minimum(gain * natural, 1.f),
-                    safe = dr::maximum(chance, Tiny);
-        Mask collides = active && u_event < chance;
-        UInt32 channel = 0;
-        if (m_has_spectral_extinction)
-            channel = choose_channel(channel_chances(loss), u_event / safe);
+        // Whether it collides, and what the distance is drawn from.
+        const UnpolarizedSpectrum start = channel_chances(throughput);
+        Drawn drawn{ sampling(rules) };
+        Float natural, lost;
+        if (drawn.from == SpectralSampling::Mis) {
+            const UnpolarizedSpectrum losses = opacity(depth), loss = start * losses;
+            natural = dr::sum(loss);
+            if (m_has_spectral_extinction)
+                drawn.channel =
+                    choose_channel(channel_chances(loss),
+                                   u.event / dr::maximum(dr::minimum(gain * natural, 1.f), Tiny));
+            lost = of_channel(losses, drawn.channel);
+        } else {
+            Float sum = 0.f;
+            for (const Part &part : parts)
+                sum += part.drawn_depth(drawn);
+            lost = natural = opacity(sum);
+        }
+        const Float chance = dr::minimum(gain * natural, 1.f);
+        Mask collides = active && u.event < chance;
 
         Float t = dr::Infinity<Float>;
         if (dr::any_or<true>(collides))
-            t = first_collision(parts, segment, channel, of_channel(lost, channel), u, collides);
+            t = first_collision(parts, segment, drawn, lost, u.place, collides);
         t = dr::select(collides, t, dr::Infinity<Float>);
         collides &= dr::isfinite(t);
 
-        UnpolarizedSpectrum weight = passing_weight(segment, start, depth, mi, active);
+        Flight flight{ segment.near + t, passing_weight(segment, drawn, start, depth, mi, active),
+                       dr::exp(-(depth + absorbed(segment, segment.length, mi, active))), false,
+                       false };
         if (dr::any_or<true>(collides))
-            weight = dr::select(
-                collides,
-                collision_weight(ray, segment, dr::select(collides, t, 0.f), start, mi, active) *
-                    (natural / safe),
-                weight);
-        return { segment.near + t, weight, past };
+            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f),
+                    natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
+        return flight;
     }
 
     /// Transmittance over the distance `t`, which may be infinite.
@@ -172,6 +205,8 @@ protected:
     Float m_max_density;
 
 private:
+    using Drawn = mitsuba::Drawn<UnpolarizedSpectrum>;
+
     /// Stands for probabilities of 0 in denominators.
     static constexpr ScalarFloat Tiny = 1e-30f;
 
@@ -198,13 +233,34 @@ private:
                  dr::select(hit, dr::maximum(dr::minimum(reach, far) - near, 0.f), 0.f) };
     }
 
+    /// A path for one channel has a throughput in that one only, which is all that MIS needs; and
+    /// channels that are alike need nothing else.
+    SpectralSampling sampling(const FlightRules &rules) const {
+        const bool single = rules.sampling == SpectralSampling::Single;
+        return single || !m_has_spectral_extinction ? SpectralSampling::Mis : rules.sampling;
+    }
+
     /// Components whose flights are sampled together: one, or those beyond the variates.
     struct Part {
         std::vector<const Component *> components;
         std::vector<UnpolarizedSpectrum> sigma_t;
+        std::vector<Float> column;
         /// Optical depth of the segment.
         UnpolarizedSpectrum depth = 0.f;
+
+        /// The same of what is drawn.
+        Float drawn_depth(const Drawn &drawn) const {
+            Float sum = 0.f;
+            for (size_t i = 0; i < column.size(); ++i)
+                sum += times(drawn(sigma_t[i]), column[i]);
+            return sum;
+        }
     };
+
+    /// Nothing of an infinite column is nothing.
+    template <typename Value> static Value times(const Value &sigma_t, const Float &column) {
+        return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
+    }
 
     std::vector<Part> sampled_parts(const Segment &segment, const MediumInteraction3f &mi,
                                     Mask active) const {
@@ -216,9 +272,11 @@ private:
                 parts.emplace_back();
             Part &part = parts.back();
             const UnpolarizedSpectrum sigma_t = component->sigma_t(mi, active);
+            const Float column = component->profile().column(segment.o, segment.d, segment.length);
             part.components.push_back(component.get());
             part.sigma_t.push_back(sigma_t);
-            part.depth += optical_depth(sigma_t, *component, segment, segment.length);
+            part.column.push_back(column);
+            part.depth += times(sigma_t, column);
         }
         return parts;
     }
@@ -227,9 +285,7 @@ private:
     static UnpolarizedSpectrum optical_depth(const UnpolarizedSpectrum &sigma_t,
                                              const Component &component, const Segment &segment,
                                              const Float &t) {
-        const Float column = component.profile().column(segment.o, segment.d, t);
-        // Nothing of an infinite column is nothing.
-        return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
+        return times(sigma_t, component.profile().column(segment.o, segment.d, t));
     }
 
     /// Optical depth of what scatters, or of what does not.
@@ -248,33 +304,25 @@ private:
     }
 
     /// 1 - exp(-depth), as precise for thin media.
-    static UnpolarizedSpectrum opacity(const UnpolarizedSpectrum &depth) {
-        const UnpolarizedSpectrum half = dr::tanh(dr::minimum(.5f * depth, 44.f));
+    template <typename Value> static Value opacity(const Value &depth) {
+        const Value half = dr::tanh(dr::minimum(.5f * depth, 44.f));
         return 2.f * half / (1.f + half);
-    }
-
-    /// Optical depths relative to the thinnest channel that counts: nothing that matters
-    /// underflows.
-    static UnpolarizedSpectrum relative(const UnpolarizedSpectrum &chance,
-                                        const UnpolarizedSpectrum &depth) {
-        const Float least = thinnest(chance, depth);
-        return dr::select(depth > least, depth - least, 0.f);
     }
 
     /// Distance of the collision of a flight that has one, of the probability `lost`.
     Float first_collision(const std::vector<Part> &parts, const Segment &segment,
-                          const UInt32 &channel, const Float &lost, const Vector4f &u,
+                          const Drawn &drawn, const Float &lost, const Vector4f &u,
                           const Mask &active) const {
         Float t = dr::Infinity<Float>, rest = -dr::log(1.f - u[0] * lost);
         Mask met = false;
         for (size_t i = 0; i < parts.size(); ++i) {
-            const Float depth = of_channel(parts[i].depth, channel);
+            const Float depth = parts[i].drawn_depth(drawn);
             const Mask meets = !met && rest < depth;
             // As if there were no other.
             const Float own = i > 0 ? dr::select(met, -dr::log(1.f - u[i]), rest) : rest;
             const Mask collides = active && own < depth && (met || meets);
             if (dr::any_or<true>(collides))
-                t = dr::minimum(t, dr::select(collides, distance(parts[i], segment, channel, own),
+                t = dr::minimum(t, dr::select(collides, distance(parts[i], segment, drawn, own),
                                               dr::Infinity<Float>));
             met |= meets;
             rest = dr::maximum(rest - depth, 0.f);
@@ -283,10 +331,10 @@ private:
     }
 
     /// Where a part has gathered the optical depth `tau`, which it does in the segment.
-    Float distance(const Part &part, const Segment &segment, const UInt32 &channel,
+    Float distance(const Part &part, const Segment &segment, const Drawn &drawn,
                    const Float &tau) const {
         if (part.components.size() == 1) {
-            const Float sigma_t = of_channel(part.sigma_t[0], channel);
+            const Float sigma_t = drawn(part.sigma_t[0]);
             const Float t = part.components[0]->profile().inv_column(
                 segment.o, segment.d, tau / dr::select(sigma_t > 0.f, sigma_t, 1.f));
             return dr::minimum(t, segment.length);
@@ -295,38 +343,80 @@ private:
         std::vector<Float> sigma_t;
         for (size_t i = 0; i < part.components.size(); ++i) {
             profiles.push_back(&part.components[i]->profile());
-            sigma_t.push_back(of_channel(part.sigma_t[i], channel));
+            sigma_t.push_back(drawn(part.sigma_t[i]));
         }
         const Float t = Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o,
                                                               segment.d, segment.length, tau);
         return dr::minimum(t, segment.length);
     }
 
-    /// Contribution over probability of a flight without collision, by the balance heuristic over
-    /// the channels that might have been sampled.
-    UnpolarizedSpectrum passing_weight(const Segment &segment, const UnpolarizedSpectrum &start,
+    /// Contribution over probability of a flight without collision.
+    UnpolarizedSpectrum passing_weight(const Segment &segment, const Drawn &drawn,
+                                       const UnpolarizedSpectrum &start,
                                        const UnpolarizedSpectrum &depth,
                                        const MediumInteraction3f &mi, Mask active) const {
         const UnpolarizedSpectrum through = dr::exp(-absorbed(segment, segment.length, mi, active));
-        if (!m_has_spectral_extinction)
+        if (!m_has_spectral_extinction || drawn.from == SpectralSampling::Tracking)
             return through;
-        const UnpolarizedSpectrum densities = dr::exp(-relative(start, depth));
-        return balance(through * densities, start, densities);
+        return through * over_probability(drawn, start, depth, 1.f);
     }
 
-    /// The same of a collision at the distance `t`.
-    UnpolarizedSpectrum collision_weight(const Ray3f &ray, const Segment &segment, const Float &t,
-                                         const UnpolarizedSpectrum &start, MediumInteraction3f mi,
-                                         Mask active) const {
+    /// exp(-depth) `extinction` in every channel, over the probability density of the way: by the
+    /// balance heuristic over the channels that might have been chosen, or of the mean.
+    ///
+    /// In logarithms up to a common factor, so that nothing that matters underflows.
+    static UnpolarizedSpectrum over_probability(const Drawn &drawn,
+                                                const UnpolarizedSpectrum &start,
+                                                const UnpolarizedSpectrum &depth,
+                                                const UnpolarizedSpectrum &extinction) {
+        if (drawn.from == SpectralSampling::Average) {
+            const Float mean = dr::mean(depth), density = dr::mean(extinction);
+            const UnpolarizedSpectrum excess = dr::select(depth == mean, 0.f, depth - mean);
+            return dr::select(density > 0.f, dr::exp(-excess) * extinction / density, 0.f);
+        }
+        const Float least = thinnest(start, depth);
+        const UnpolarizedSpectrum densities =
+            dr::exp(-dr::select(depth > least, depth - least, 0.f)) * extinction;
+        return balance(densities, start, densities);
+    }
+
+    /// Decides what a flight collides with at the distance `t`; `scarcity` is the probability of
+    /// the model that it collides at all over that of the flight.
+    void collide(Flight &flight, const FlightRules &rules, const Ray3f &ray, const Segment &segment,
+                 const Drawn &drawn, const Float &t, const Float &scarcity,
+                 const UnpolarizedSpectrum &throughput, const Float &u, MediumInteraction3f mi,
+                 const Mask &active) const {
         mi.t = segment.near + t;
         mi.p = ray(mi.t);
-        auto [extinction, albedo] = collision(mi, active);
-        const UnpolarizedSpectrum weight = albedo * dr::exp(-absorbed(segment, t, mi, active));
-        if (!m_has_spectral_extinction)
-            return weight;
-        const UnpolarizedSpectrum depth = depth_of(true, segment, t, mi, active),
-                                  densities = dr::exp(-relative(start, depth)) * extinction;
-        return balance(weight * densities, start, densities);
+        const Matter matter = matter_at(mi, active);
+        UnpolarizedSpectrum weight = dr::exp(-absorbed(segment, t, mi, active)) * scarcity;
+        Mask scatters = active, passes = false;
+        if (drawn.from == SpectralSampling::Tracking) {
+            const EventChances<Float> chances = event_chances(
+                rules, throughput, matter.scattering(), matter.absorption(), matter.padding());
+            scatters &= u < chances.scattering;
+            passes = active && !scatters && u < chances.scattering + chances.null;
+            const Float chance = dr::select(scatters, chances.scattering, chances.null);
+            const Float density = matter.bound * chance;
+            weight *= dr::select(
+                density > 0.f,
+                dr::select(scatters, matter.scattering(), matter.padding()) / density, 0.f);
+        } else {
+            UnpolarizedSpectrum real = matter.albedo;
+            const UnpolarizedSpectrum start = channel_chances(throughput);
+            if (m_has_spectral_extinction)
+                real *= over_probability(drawn, start, depth_of(true, segment, t, mi, active),
+                                         matter.extinction);
+            if (rules.analogue) {
+                const Float survival = dr::clip(dr::sum(start * real), 0.f, 1.f);
+                scatters &= u < survival;
+                real /= dr::maximum(survival, Tiny);
+            }
+            weight *= real;
+        }
+        dr::masked(flight.weight, active) = weight;
+        flight.scatters = scatters;
+        flight.passes = passes;
     }
 
     /// What coefficients are evaluated at.
@@ -338,25 +428,39 @@ private:
         return mi;
     }
 
-    /// Extinction by what scatters, but for a factor that channels share, and the part of it that
-    /// is scattering.
-    std::pair<UnpolarizedSpectrum, UnpolarizedSpectrum> collision(const MediumInteraction3f &mi,
-                                                                  Mask active) const {
+    /// What scatters at a place: coefficients but for a factor that all have in common.
+    struct Matter {
+        UnpolarizedSpectrum extinction = 0.f, albedo = 0.f;
+        /// Majorant of the extinction over the channels.
+        Float bound = 0.f;
+
+        UnpolarizedSpectrum scattering() const { return extinction * albedo; }
+        UnpolarizedSpectrum absorption() const { return extinction * (1.f - albedo); }
+        /// The coefficient of null collisions (article, Eq. 68).
+        UnpolarizedSpectrum padding() const { return dr::maximum(bound - extinction, 0.f); }
+    };
+
+    Matter matter_at(const MediumInteraction3f &mi, Mask active) const {
+        Matter matter;
         if (m_components.size() == 1) {
-            UnpolarizedSpectrum extinction = 1.f;
-            if (m_has_spectral_extinction)
-                extinction = m_components[0]->sigma_t(mi, active);
-            return { extinction, m_components[0]->albedo(mi, active) };
+            // Its density is the common factor, its albedo that of the matter.
+            matter.extinction = m_components[0]->sigma_t(mi, active);
+            matter.albedo = m_components[0]->albedo(mi, active);
+            matter.bound = dr::max(matter.extinction);
+            return matter;
         }
-        UnpolarizedSpectrum extinction = 0.f, scattering = 0.f;
+        UnpolarizedSpectrum scattering = 0.f;
         for (const ref<Component> &component : m_components) {
             if (!component->scatters())
                 continue;
-            UnpolarizedSpectrum part = component->sigma_t(mi, active) * component->density(mi.p);
-            extinction += part;
+            const UnpolarizedSpectrum part =
+                component->sigma_t(mi, active) * component->density(mi.p);
+            matter.extinction += part;
             scattering += part * component->albedo(mi, active);
+            matter.bound += dr::max(part);
         }
-        return { extinction, dr::select(extinction > 0.f, scattering / extinction, 0.f) };
+        matter.albedo = dr::select(matter.extinction > 0.f, scattering / matter.extinction, 0.f);
+        return matter;
     }
 
     MI_TRAVERSE_CB(Base, m_components, m_extent, m_max_density)
