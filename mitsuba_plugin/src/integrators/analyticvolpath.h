@@ -64,9 +64,9 @@ A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their s
 :ref:`overlap <medium-overlap>`. Free flights are drawn by
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
-wavelength, one path serves all channels: ``spectral_sampling`` says how. Light from behind the
-medium, where a ray meets no surface, is added in full, and the ray made to collide more often than
-in nature, at a lower weight: a clear sky is as free of noise as a cloud. Light sources are combined
+wavelength, one path serves all channels: ``spectral_sampling`` says how. In scenes without an
+environment, rays that meet no surface are made to collide more often than in nature, at a lower
+weight: a clear sky before black space is as free of noise as a cloud. Light sources are combined
 with phase functions and BSDFs by multiple importance sampling.
 
 Parameters, path depth and roulette are those of ``volpath``, except that passing an index-matched
@@ -261,6 +261,13 @@ private:
         UnpolarizedSpectrum chance = 0.f;
         const FlightVariates u = variates(found, path, in_medium);
 
+        const bool ours = found.analytic && dr::any_or<true>(in_ours);
+        Flight flight = dr::zeros<Flight>();
+        if (ours && found.sky) {
+            flight =
+                analytic->sample_flight(m_rules, path.ray, limit(reach), throughput, u, in_ours);
+            dr::masked(t, in_ours) = flight.t;
+        }
         if (found.foreign && dr::any_or<true>(in_foreign)) {
             UInt32 channel = 0;
             if constexpr (is_rgb_v<Spectrum>) {
@@ -271,32 +278,36 @@ private:
             }
             v.mi = path.medium->sample_interaction(path.ray, u.place[0], channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
-            // The ray needs to be traced only as far as the flight goes.
-            path.ray.maxt = dr::minimum(reach, t);
         }
+        // The ray needs to be traced only as far as the flight goes.
+        path.ray.maxt = dr::minimum(reach, t);
         v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_foreign && !v.si.is_valid() && t < reach;
+        Mask collided = in_medium && !v.si.is_valid() && t < reach;
         const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
 
-        v.escapes = in_ours && !v.si.is_valid();
         v.background = path.throughput;
-        if (dr::any_or<true>(in_ours) && found.analytic) {
+        if (ours && found.sky)
+            end_flight(found, flight, analytic, path.ray, end, throughput, in_ours && !collided);
+        else if (ours) {
+            v.escapes = in_ours && !v.si.is_valid();
             const Float gain =
                 dr::select(v.escapes, dr::select(path.depth == 0u, CameraGain, ScatteredGain), 1.f);
-            const Flight flight =
-                analytic->sample_flight(m_rules, path.ray, end, gain, throughput, u, in_ours);
+            flight =
+                analytic->sample_collision(m_rules, path.ray, end, gain, throughput, u, in_ours);
             dr::masked(t, in_ours) = flight.t;
-            dr::masked(path.throughput, in_ours) *= flight.weight;
-            dr::masked(v.background, v.escapes) *= dr::select(path.behind, 0.f, flight.past);
-            const Mask meets = in_ours && dr::isfinite(flight.t);
-            collided |= meets;
-            v.scatters |= meets && flight.scatters;
-            v.passes |= meets && flight.passes;
-            v.absorbed = meets && !flight.scatters && !flight.passes;
+            collided |= in_ours && dr::isfinite(flight.t);
             // A path that is bound to collide stands for those that do not, too.
             const Float seen = dr::sum(channel_chances(throughput) * (1.f - flight.past));
             v.visible = v.escapes && !path.behind && u.event < seen;
-            dr::masked(path.behind, in_ours) = v.escapes && flight.passes && meets;
+            dr::masked(v.background, v.escapes) *= dr::select(path.behind, 0.f, flight.past);
+        }
+        if (ours) {
+            const Mask meets = in_ours && collided;
+            dr::masked(path.throughput, in_ours) *= flight.weight;
+            v.scatters |= meets && flight.scatters;
+            v.passes |= meets && flight.passes;
+            v.absorbed = meets && !flight.scatters && !flight.passes;
+            dr::masked(path.behind, in_ours) = v.escapes && meets && flight.passes;
         }
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
@@ -311,11 +322,22 @@ private:
         return v;
     }
 
+    /// Weighs flights that have been drawn for longer, and end at `end` without a collision.
+    void end_flight(const Survey &found, Flight &flight, const AnalyticPtr &medium,
+                    const Ray3f &ray, const Float &end, const UnpolarizedSpectrum &throughput,
+                    const Mask &active) const {
+        UnpolarizedSpectrum weight = 1.f;
+        if (found.chromatic || found.absorbers)
+            weight = medium->passing_weight(m_rules, ray, end, throughput, active);
+        dr::masked(flight.weight, active) = weight;
+    }
+
     FlightVariates variates(const Survey &found, const Path &path, const Mask &active) const {
         FlightVariates u{ 0.f, 0.f, 0.f };
         if (!found.media())
             return u;
-        u.event = path.sampler->next_1d(active);
+        if (found.chromatic || found.foreign || !found.sky)
+            u.event = path.sampler->next_1d(active);
         if (found.analytic && m_rules.has_events())
             u.kind = path.sampler->next_1d(active);
         for (size_t i = 0; i < found.variates(); ++i)

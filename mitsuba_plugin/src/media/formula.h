@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include <mitsuba/core/properties.h>
 #include <mitsuba/core/spectrum.h>
 #include <mitsuba/render/interaction.h>
@@ -95,33 +98,69 @@ public:
 
     /// Number of components.
     size_t components() const { return m_components.size(); }
+    /// Whether some of them do not scatter.
+    bool absorbs() const {
+        return std::any_of(m_components.begin(), m_components.end(),
+                           [](const auto &component) { return !component->scatters(); });
+    }
 
     /**
-     * A flight along `ray` by the `rules` of an integrator.
+     * A flight along `ray` by the `rules` of an integrator, drawn before it is known where the ray
+     * ends: it collides where that is farther.
      *
-     * Flights collide with `gain` times the probability of the model, but at most surely, and are
+     * The first collision of several components is the first of any, each of which collides
+     * independently. A component that does not scatter only weakens the flight. What there are more
+     * than variates are taken for one, whose optical depth is the sum of theirs.
+     *
+     * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
+     */
+    Flight sample_flight(const FlightRules &rules, const Ray3f &ray, const Float &reach,
+                         const UnpolarizedSpectrum &throughput, const FlightVariates &u,
+                         Mask active) const {
+        MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
+        const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, reach);
+        const Matter matter = scattering_matter(mi, active);
+        Drawn drawn{ sampling(rules) };
+        if (m_has_spectral_extinction && drawn.from == SpectralSampling::Mis)
+            drawn.channel = choose_channel(channel_chances(throughput), u.event);
+
+        Float t = dr::Infinity<Float>;
+        for (size_t i = 0; i < matter.parts(); ++i)
+            t = dr::minimum(t, distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i])));
+        const Mask collides = active && t < segment.length;
+
+        Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
+                       false };
+        if (dr::any_or<true>(collides))
+            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f), 1.f,
+                    throughput, u.kind, mi, collides);
+        return flight;
+    }
+
+    /**
+     * A flight along `ray` that is known to end at `reach`, which may be infinite.
+     *
+     * It collides with `gain` times the probability of the model, but at most surely, and is
      * weighted for it. That is of use where the light behind the medium is added without sampling.
      *
      * Think of the components as one behind the other: the optical depth at which the flight ends
      * lies in one of them, which it has met then. Those before it have been passed; those behind
-     * it may collide earlier, each independently. A component that does not scatter only weakens
-     * the flight. What there are more than variates are taken for one, whose optical depth is the
-     * sum of theirs.
+     * it may collide earlier, each independently.
      *
-     * \param reach  where the flight ends at the latest: may be infinite
      * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
      *    to what it loses
      */
-    Flight sample_flight(const FlightRules &rules, const Ray3f &ray, const Float &reach,
-                         const Float &gain, const UnpolarizedSpectrum &throughput,
-                         const FlightVariates &u, Mask active) const {
+    Flight sample_collision(const FlightRules &rules, const Ray3f &ray, const Float &reach,
+                            const Float &gain, const UnpolarizedSpectrum &throughput,
+                            const FlightVariates &u, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, reach);
-        const std::vector<Part> parts = sampled_parts(segment, mi, active);
-        UnpolarizedSpectrum depth = 0.f;
-        for (const Part &part : parts)
-            depth += part.depth;
+        Matter matter = scattering_matter(mi, active);
+        matter.find_columns(segment);
+        const UnpolarizedSpectrum depth = matter.depth(),
+                                  through = unabsorbed(segment, segment.length, mi, active);
 
         // Whether it collides, and what the distance is drawn from.
         const UnpolarizedSpectrum start = channel_chances(throughput);
@@ -137,8 +176,8 @@ public:
             lost = of_channel(losses, drawn.channel);
         } else {
             Float sum = 0.f;
-            for (const Part &part : parts)
-                sum += part.drawn_depth(drawn);
+            for (size_t i = 0; i < matter.parts(); ++i)
+                sum += matter.depth(i, drawn);
             lost = natural = opacity(sum);
         }
         const Float chance = dr::minimum(gain * natural, 1.f);
@@ -146,17 +185,29 @@ public:
 
         Float t = dr::Infinity<Float>;
         if (dr::any_or<true>(collides))
-            t = first_collision(parts, segment, drawn, lost, u.place, collides);
+            t = first_collision(matter, segment, drawn, lost, u.place, collides);
         t = dr::select(collides, t, dr::Infinity<Float>);
         collides &= dr::isfinite(t);
 
-        Flight flight{ segment.near + t, passing_weight(segment, drawn, start, depth, mi, active),
-                       dr::exp(-(depth + absorbed(segment, segment.length, mi, active))), false,
-                       false };
+        Flight flight{ segment.near + t, through * passing_weight(drawn, start, depth),
+                       through * dr::exp(-depth), false, false };
         if (dr::any_or<true>(collides))
             collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f),
                     natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
         return flight;
+    }
+
+    /// The weight of a flight that `sample_flight` has drawn for longer, and that passes up to the
+    /// distance `reach`, which may be infinite.
+    UnpolarizedSpectrum passing_weight(const FlightRules &rules, const Ray3f &ray,
+                                       const Float &reach, const UnpolarizedSpectrum &throughput,
+                                       Mask active) const {
+        MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
+        const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, reach);
+        return unabsorbed(segment, segment.length, mi, active) *
+               passing_weight(Drawn{ sampling(rules) }, channel_chances(throughput),
+                              depth_of(true, segment, segment.length, mi, active));
     }
 
     /// Transmittance over the distance `t`, which may be infinite.
@@ -164,8 +215,8 @@ public:
         MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, t);
-        return dr::exp(-(depth_of(true, segment, segment.length, mi, active) +
-                         absorbed(segment, segment.length, mi, active)));
+        return unabsorbed(segment, segment.length, mi, active) *
+               dr::exp(-depth_of(true, segment, segment.length, mi, active));
     }
 
     MI_DECLARE_CLASS(FormulaMedium)
@@ -183,6 +234,9 @@ protected:
 
     /// To be called by constructors once there are components; `chromatic`: some of them are.
     void complete(const Properties &props, bool chromatic) {
+        if (m_components.size() > MaxComponents)
+            Throw("a medium must have at most %u components, got %u", MaxComponents,
+                  m_components.size());
         m_has_spectral_extinction = props.get<bool>("has_spectral_extinction", chromatic) &&
                                     dr::size_v<UnpolarizedSpectrum> > 1;
         update();
@@ -207,6 +261,8 @@ protected:
 private:
     using Drawn = mitsuba::Drawn<UnpolarizedSpectrum>;
 
+    /// The most components of a medium: flights keep them in arrays.
+    static constexpr size_t MaxComponents = 16;
     /// Stands for probabilities of 0 in denominators.
     static constexpr ScalarFloat Tiny = 1e-30f;
 
@@ -240,45 +296,50 @@ private:
         return single || !m_has_spectral_extinction ? SpectralSampling::Mis : rules.sampling;
     }
 
-    /// Components whose flights are sampled together: one, or those beyond the variates.
-    struct Part {
-        std::vector<const Component *> components;
-        std::vector<UnpolarizedSpectrum> sigma_t;
-        std::vector<Float> column;
-        /// Optical depth of the segment.
-        UnpolarizedSpectrum depth = 0.f;
-
-        /// The same of what is drawn.
-        Float drawn_depth(const Drawn &drawn) const {
-            Float sum = 0.f;
-            for (size_t i = 0; i < column.size(); ++i)
-                sum += times(drawn(sigma_t[i]), column[i]);
-            return sum;
-        }
-    };
-
     /// Nothing of an infinite column is nothing.
     template <typename Value> static Value times(const Value &sigma_t, const Float &column) {
         return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
     }
 
-    std::vector<Part> sampled_parts(const Segment &segment, const MediumInteraction3f &mi,
-                                    Mask active) const {
-        std::vector<Part> parts;
+    /// The components that scatter. Those that have no variate of their own are the last part.
+    struct Matter {
+        size_t count = 0;
+        std::array<const Component *, MaxComponents> component;
+        std::array<UnpolarizedSpectrum, MaxComponents> sigma_t;
+        std::array<Float, MaxComponents> column;
+
+        size_t parts() const { return std::min(count, dr::size_v<Vector4f>); }
+        /// One more than the last component of a part.
+        size_t end(size_t part) const { return part + 1 < parts() ? part + 1 : count; }
+
+        void find_columns(const Segment &segment) {
+            for (size_t i = 0; i < count; ++i)
+                column[i] = component[i]->profile().column(segment.o, segment.d, segment.length);
+        }
+        UnpolarizedSpectrum depth() const {
+            UnpolarizedSpectrum sum = 0.f;
+            for (size_t i = 0; i < count; ++i)
+                sum += times(sigma_t[i], column[i]);
+            return sum;
+        }
+        /// The optical depth of a part, of what flights are drawn from.
+        Float depth(size_t part, const Drawn &drawn) const {
+            Float sum = 0.f;
+            for (size_t i = part; i < end(part); ++i)
+                sum += times(drawn(sigma_t[i]), column[i]);
+            return sum;
+        }
+    };
+
+    Matter scattering_matter(const MediumInteraction3f &mi, Mask active) const {
+        Matter matter;
         for (const ref<Component> &component : m_components) {
             if (!component->scatters())
                 continue;
-            if (parts.size() < dr::size_v<Vector4f>)
-                parts.emplace_back();
-            Part &part = parts.back();
-            const UnpolarizedSpectrum sigma_t = component->sigma_t(mi, active);
-            const Float column = component->profile().column(segment.o, segment.d, segment.length);
-            part.components.push_back(component.get());
-            part.sigma_t.push_back(sigma_t);
-            part.column.push_back(column);
-            part.depth += times(sigma_t, column);
+            matter.component[matter.count] = component.get();
+            matter.sigma_t[matter.count++] = component->sigma_t(mi, active);
         }
-        return parts;
+        return matter;
     }
 
     /// Of one component over the distance `t`.
@@ -298,9 +359,12 @@ private:
         return depth;
     }
 
-    UnpolarizedSpectrum absorbed(const Segment &segment, const Float &t,
-                                 const MediumInteraction3f &mi, Mask active) const {
-        return depth_of(false, segment, t, mi, active);
+    /// What gets past the components that do not scatter, over the distance `t`.
+    UnpolarizedSpectrum unabsorbed(const Segment &segment, const Float &t,
+                                   const MediumInteraction3f &mi, Mask active) const {
+        if (!absorbs())
+            return 1.f;
+        return dr::exp(-depth_of(false, segment, t, mi, active));
     }
 
     /// 1 - exp(-depth), as precise for thin media.
@@ -310,55 +374,54 @@ private:
     }
 
     /// Distance of the collision of a flight that has one, of the probability `lost`.
-    Float first_collision(const std::vector<Part> &parts, const Segment &segment,
-                          const Drawn &drawn, const Float &lost, const Vector4f &u,
-                          const Mask &active) const {
+    Float first_collision(const Matter &matter, const Segment &segment, const Drawn &drawn,
+                          const Float &lost, const Vector4f &u, const Mask &active) const {
         Float t = dr::Infinity<Float>, rest = -dr::log(1.f - u[0] * lost);
         Mask met = false;
-        for (size_t i = 0; i < parts.size(); ++i) {
-            const Float depth = parts[i].drawn_depth(drawn);
+        for (size_t i = 0; i < matter.parts(); ++i) {
+            const Float depth = matter.depth(i, drawn);
             const Mask meets = !met && rest < depth;
             // As if there were no other.
             const Float own = i > 0 ? dr::select(met, -dr::log(1.f - u[i]), rest) : rest;
             const Mask collides = active && own < depth && (met || meets);
-            if (dr::any_or<true>(collides))
-                t = dr::minimum(t, dr::select(collides, distance(parts[i], segment, drawn, own),
-                                              dr::Infinity<Float>));
+            if (dr::any_or<true>(collides)) {
+                const Float place =
+                    dr::minimum(distance(matter, i, segment, drawn, own), segment.length);
+                t = dr::minimum(t, dr::select(collides, place, dr::Infinity<Float>));
+            }
             met |= meets;
             rest = dr::maximum(rest - depth, 0.f);
         }
         return t;
     }
 
-    /// Where a part has gathered the optical depth `tau`, which it does in the segment.
-    Float distance(const Part &part, const Segment &segment, const Drawn &drawn,
+    /// Where a part has gathered the optical depth `tau`; infinite, or beyond the segment, if it
+    /// does not.
+    Float distance(const Matter &matter, size_t part, const Segment &segment, const Drawn &drawn,
                    const Float &tau) const {
-        if (part.components.size() == 1) {
-            const Float sigma_t = drawn(part.sigma_t[0]);
-            const Float t = part.components[0]->profile().inv_column(
+        if (matter.end(part) == part + 1) {
+            const Float sigma_t = drawn(matter.sigma_t[part]);
+            const Float t = matter.component[part]->profile().inv_column(
                 segment.o, segment.d, tau / dr::select(sigma_t > 0.f, sigma_t, 1.f));
-            return dr::minimum(t, segment.length);
+            return dr::select(sigma_t > 0.f, t, dr::Infinity<Float>);
         }
         std::vector<const Profile<Float, Spectrum> *> profiles;
         std::vector<Float> sigma_t;
-        for (size_t i = 0; i < part.components.size(); ++i) {
-            profiles.push_back(&part.components[i]->profile());
-            sigma_t.push_back(drawn(part.sigma_t[i]));
+        for (size_t i = part; i < matter.end(part); ++i) {
+            profiles.push_back(&matter.component[i]->profile());
+            sigma_t.push_back(drawn(matter.sigma_t[i]));
         }
-        const Float t = Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o,
-                                                              segment.d, segment.length, tau);
-        return dr::minimum(t, segment.length);
+        return Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o, segment.d,
+                                                     segment.length, tau);
     }
 
-    /// Contribution over probability of a flight without collision.
-    UnpolarizedSpectrum passing_weight(const Segment &segment, const Drawn &drawn,
-                                       const UnpolarizedSpectrum &start,
-                                       const UnpolarizedSpectrum &depth,
-                                       const MediumInteraction3f &mi, Mask active) const {
-        const UnpolarizedSpectrum through = dr::exp(-absorbed(segment, segment.length, mi, active));
+    /// Contribution over probability of a flight that collides with nothing of the optical depth
+    /// `depth`.
+    UnpolarizedSpectrum passing_weight(const Drawn &drawn, const UnpolarizedSpectrum &start,
+                                       const UnpolarizedSpectrum &depth) const {
         if (!m_has_spectral_extinction || drawn.from == SpectralSampling::Tracking)
-            return through;
-        return through * over_probability(drawn, start, depth, 1.f);
+            return 1.f;
+        return over_probability(drawn, start, depth, 1.f);
     }
 
     /// exp(-depth) `extinction` in every channel, over the probability density of the way: by the
@@ -388,25 +451,24 @@ private:
                  const Mask &active) const {
         mi.t = segment.near + t;
         mi.p = ray(mi.t);
-        const Matter matter = matter_at(mi, active);
-        UnpolarizedSpectrum weight = dr::exp(-absorbed(segment, t, mi, active)) * scarcity;
+        const Coefficients at = coefficients(mi, active);
+        UnpolarizedSpectrum weight = unabsorbed(segment, t, mi, active) * scarcity;
         Mask scatters = active, passes = false;
         if (drawn.from == SpectralSampling::Tracking) {
-            const EventChances<Float> chances = event_chances(
-                rules, throughput, matter.scattering(), matter.absorption(), matter.padding());
+            const EventChances<Float> chances =
+                event_chances(rules, throughput, at.scattering(), at.absorption(), at.padding());
             scatters &= u < chances.scattering;
             passes = active && !scatters && u < chances.scattering + chances.null;
             const Float chance = dr::select(scatters, chances.scattering, chances.null);
-            const Float density = matter.bound * chance;
+            const Float density = at.bound * chance;
             weight *= dr::select(
-                density > 0.f,
-                dr::select(scatters, matter.scattering(), matter.padding()) / density, 0.f);
+                density > 0.f, dr::select(scatters, at.scattering(), at.padding()) / density, 0.f);
         } else {
-            UnpolarizedSpectrum real = matter.albedo;
+            UnpolarizedSpectrum real = at.albedo;
             const UnpolarizedSpectrum start = channel_chances(throughput);
             if (m_has_spectral_extinction)
                 real *= over_probability(drawn, start, depth_of(true, segment, t, mi, active),
-                                         matter.extinction);
+                                         at.extinction);
             if (rules.analogue) {
                 const Float survival = dr::clip(dr::sum(start * real), 0.f, 1.f);
                 scatters &= u < survival;
@@ -429,7 +491,7 @@ private:
     }
 
     /// What scatters at a place: coefficients but for a factor that all have in common.
-    struct Matter {
+    struct Coefficients {
         UnpolarizedSpectrum extinction = 0.f, albedo = 0.f;
         /// Majorant of the extinction over the channels.
         Float bound = 0.f;
@@ -440,14 +502,14 @@ private:
         UnpolarizedSpectrum padding() const { return dr::maximum(bound - extinction, 0.f); }
     };
 
-    Matter matter_at(const MediumInteraction3f &mi, Mask active) const {
-        Matter matter;
+    Coefficients coefficients(const MediumInteraction3f &mi, Mask active) const {
+        Coefficients at;
         if (m_components.size() == 1) {
-            // Its density is the common factor, its albedo that of the matter.
-            matter.extinction = m_components[0]->sigma_t(mi, active);
-            matter.albedo = m_components[0]->albedo(mi, active);
-            matter.bound = dr::max(matter.extinction);
-            return matter;
+            // Its density is the common factor, its albedo that of the at.
+            at.extinction = m_components[0]->sigma_t(mi, active);
+            at.albedo = m_components[0]->albedo(mi, active);
+            at.bound = dr::max(at.extinction);
+            return at;
         }
         UnpolarizedSpectrum scattering = 0.f;
         for (const ref<Component> &component : m_components) {
@@ -455,12 +517,12 @@ private:
                 continue;
             const UnpolarizedSpectrum part =
                 component->sigma_t(mi, active) * component->density(mi.p);
-            matter.extinction += part;
+            at.extinction += part;
             scattering += part * component->albedo(mi, active);
-            matter.bound += dr::max(part);
+            at.bound += dr::max(part);
         }
-        matter.albedo = dr::select(matter.extinction > 0.f, scattering / matter.extinction, 0.f);
-        return matter;
+        at.albedo = dr::select(at.extinction > 0.f, scattering / at.extinction, 0.f);
+        return at;
     }
 
     MI_TRAVERSE_CB(Base, m_components, m_extent, m_max_density)
@@ -471,5 +533,7 @@ private:
 DRJIT_CALL_TEMPLATE_INHERITED_BEGIN(mitsuba::FormulaMedium, mitsuba::Medium)
 DRJIT_CALL_GETTER(is_analytic)
 DRJIT_CALL_METHOD(sample_flight)
+DRJIT_CALL_METHOD(sample_collision)
+DRJIT_CALL_METHOD(passing_weight)
 DRJIT_CALL_METHOD(transmittance)
 DRJIT_CALL_END()
