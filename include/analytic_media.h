@@ -1820,8 +1820,8 @@ am_status am_erfcx_ren_mackenzie_record(const struct am_host_table *host,
 // Probabilities sum to 1. One is 0 only where no wavelength has both the coefficient and, by
 // history, a path weight; weights of such an event are 0. Path weights that are all 0 count as
 // equal. If absorption is weighted and nothing else can happen, the event is null, with weight
-// 0; without a majorant it is null, with weight 1. Weights are limited to ±1e300, in single
-// precision ±1e30. Source: article, Eq. 68 to 74; Kutz et al. (2017).
+// 0; without a majorant it is null, with weight 1. Weights are limited to ±1e150, in single
+// precision ±1e15. Source: article, Eq. 68 to 74; Kutz et al. (2017).
 //
 // # Safety
 // Spectra point to `n_wavelengths` numbers, `probabilities` to 3, `weights` to
@@ -1908,8 +1908,8 @@ am_status am_null_collision_probabilities_record(const struct am_host_table *hos
 // own probability density if wavelengths are drawn, which is no part of `log_densities`.
 // The mean of the weights by `hero_probabilities` is 1, or 0 if no hero has such a path. Only
 // differences of logarithms count, so optical depths may be of any size. A weight is at most
-// 1 over the hero probability; where that is 0, it is limited to 1e300, in single precision
-// 1e30. Source: article, Eq. 61 to 66, corrected; Wilkie et al. (2014).
+// 1 over the hero probability; where that is 0, it is limited to 1e150, in single precision
+// 1e15. Source: article, Eq. 61 to 66, corrected; Wilkie et al. (2014).
 //
 // # Safety
 // Spectra and `weights` point to `n_wavelengths` numbers.
