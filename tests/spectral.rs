@@ -209,6 +209,20 @@ impl Coefficients {
         self.sigma_a[i] + self.sigma_s[i]
     }
 
+    fn sigma(&self, event: usize, i: usize) -> f64 {
+        match event {
+            0 => self.sigma_a[i],
+            1 => self.sigma_s[i],
+            _ => self.majorant - self.sigma_t(i),
+        }
+    }
+
+    /// Whether a wavelength has the event, and by history a path weight too.
+    fn has(&self, event: usize, rule: EventRule, weights: &[f64; 3]) -> bool {
+        let all = rule != EventRule::History || *weights == [0.0; 3];
+        (0..3).any(|i| (all || weights[i] > 0.0) && self.sigma(event, i) > 0.0)
+    }
+
     fn events(&self, rule: EventRule, absorption: Absorption, weights: &[f64; 3]) -> Events<f64> {
         let collision = Collision {
             sigma_a: &self.sigma_a,
@@ -357,38 +371,31 @@ fn probabilities_are_probabilities() {
         let (medium, weights) = random_medium(&mut random);
         for (rule, absorption) in choices() {
             let events = medium.events(rule, absorption, &weights);
-            let what = format!(
-                "{:?} {:?} {weights:?} {rule:?}",
-                medium.sigma_a, medium.sigma_s
-            );
+            let (a, s) = (medium.sigma_a, medium.sigma_s);
+            let what = format!("{a:?} {s:?} {weights:?} {rule:?} {absorption:?}");
             close(events.probabilities.iter().sum(), 1.0, 4e-16, &what);
-            let clear = medium.majorant == 0.0;
-            let counts =
-                |i: usize| rule != EventRule::History || weights[i] > 0.0 || weights == [0.0; 3];
             for event in 0..3 {
-                let p = events.probabilities[event];
-                let sigma = |i: usize| match event {
-                    0 => medium.sigma_a[i],
-                    1 => medium.sigma_s[i],
-                    _ => medium.majorant - medium.sigma_t(i),
-                };
-                let some = (0..3).any(|i| counts(i) && sigma(i) > 0.0);
                 let weighted = event == 0 && absorption == Absorption::Weighted;
-                if weighted || !some {
-                    let only = event == 2 && events.probabilities == [0.0, 0.0, 1.0];
-                    assert!(p == 0.0 || only, "{what} {event}");
-                } else {
-                    assert!(p > 0.0, "{what} {event}");
-                }
-                for i in 0..3 {
-                    let weight = events.weights[event][i];
-                    assert!(weight.is_finite(), "{what}");
-                    if p > 0.0 && !clear {
-                        close(p * weight, sigma(i) / medium.majorant, 1e-14, &what);
-                    }
+                let may_happen = !weighted && medium.has(event, rule, &weights);
+                let nothing_else = event == 2 && events.probabilities[2] == 1.0;
+                let happens = events.probabilities[event] > 0.0;
+                assert_eq!(happens, may_happen || nothing_else, "{what} {event}");
+                assert!(
+                    events.weights[event].iter().all(|w| w.is_finite()),
+                    "{what}"
+                );
+                if may_happen {
+                    check_weights(&medium, &events, event, &what);
                 }
             }
         }
+    }
+}
+
+fn check_weights(medium: &Coefficients, events: &Events<f64>, event: usize, what: &str) {
+    for (i, weight) in events.weights[event].iter().enumerate() {
+        let expected = medium.sigma(event, i) / medium.majorant;
+        close(events.probabilities[event] * weight, expected, 1e-14, what);
     }
 }
 
