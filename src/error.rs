@@ -97,6 +97,21 @@ pub(crate) fn downward_cosine(argument: &'static str, value: f64) -> Result<f64,
     within(argument, value, -1.0..=0.0, "must be in [-1, 0]")
 }
 
+/// `value`, if it is a probability.
+pub(crate) fn probability(argument: &'static str, value: f64) -> Result<f64, Error> {
+    within(argument, value, 0.0..=1.0, "must be in [0, 1]")
+}
+
+/// `value`, if it is a number below ∞; −∞ is.
+pub(crate) fn below_infinity(argument: &'static str, value: f64) -> Result<f64, Error> {
+    within(
+        argument,
+        value,
+        f64::NEG_INFINITY..=f64::MAX,
+        "must be a number < inf",
+    )
+}
+
 fn within(
     argument: &'static str,
     value: f64,

@@ -21,7 +21,8 @@
 //! Equation numbers are those of the article "Sampling Analytic Participating Media".
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
-//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way.
+//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] stands beside
+//! `sampling`.
 
 pub mod error;
 pub mod ffi;
@@ -32,5 +33,6 @@ pub mod real;
 pub mod sampling;
 mod solve;
 pub mod special;
+pub mod spectral;
 
 pub use error::Error;

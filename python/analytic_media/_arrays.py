@@ -1,6 +1,6 @@
 """Arguments and results as NumPy arrays: checks, broadcasting, and float types."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -50,6 +50,11 @@ def unchecked(name, value) -> Argument:
     return Argument(name, value, (), lambda name, array: None)
 
 
+def spectrum(name, value, n: int) -> Argument:
+    """Numbers of `n` wavelengths (..., n), whose range the library checks."""
+    return unchecked(name, value)._replace(item=(n,))
+
+
 def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
     """Segments: origins, directions and lengths."""
     return point("o", o), direction("d", d), amount("t", t)
@@ -63,16 +68,26 @@ def answer(
     Returns an array of the shape of the broadcast items, followed by `width`; a tuple of such
     arrays if there are several `outputs`.
     """
+    results = answers(model, question, *inputs, shapes=[width] * outputs)
+    return results if outputs > 1 else results[0]
+
+
+def answers(
+    model: _native.Model | None,
+    question: str,
+    *inputs: Argument | int,
+    shapes: Sequence[tuple[int, ...]],
+) -> tuple:
+    """`answer` with an output for each of `shapes`, which are those of one item."""
     arguments = [argument for argument in inputs if isinstance(argument, Argument)]
-    shape, arrays = _broadcast(arguments)
+    batch, arrays = _broadcast(arguments)
     items = iter([_items(array, a.item) for array, a in zip(arrays, arguments, strict=True)])
-    results = [np.empty(shape + width, arrays[0].dtype) for _ in range(outputs)]
-    n = int(np.prod(shape, dtype=np.intp))
+    results = [np.empty(batch + shape, arrays[0].dtype) for shape in shapes]
+    n = int(np.prod(batch, dtype=np.intp))
     _native.ask(
         model, question, n, [i if isinstance(i, int) else next(items) for i in inputs], results
     )
-    scalars_or_arrays = tuple(result[()] for result in results)
-    return scalars_or_arrays if outputs > 1 else scalars_or_arrays[0]
+    return tuple(result[()] for result in results)
 
 
 def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
@@ -126,7 +141,8 @@ def _real(argument: Argument) -> np.ndarray:
         got = argument.value
         raise ValueError(f"{argument.name} must be an array of real numbers, got {got!r}")
     if argument.item and array.shape[-1:] != argument.item:
-        raise ValueError(f"{argument.name} must have the shape (..., 3), got {array.shape}")
+        shape = f"(..., {argument.item[0]})"
+        raise ValueError(f"{argument.name} must have the shape {shape}, got {array.shape}")
     return array
 
 
@@ -135,13 +151,13 @@ def _items(array: np.ndarray, item: tuple[int, ...]) -> _native.Items:
     stride = _stride(array, item)
     if stride is None:
         array = np.ascontiguousarray(array)
-        stride = 3 if item else 1
+        stride = item[0] if item else 1
     return _native.Items(array, stride)
 
 
 def _stride(array: np.ndarray, item: tuple[int, ...]) -> int | None:
     """The stride between items, in numbers; None if there is not one stride for all."""
-    size, width = array.itemsize, 3 if item else 1
+    size, width = array.itemsize, item[0] if item else 1
     batch = array.ndim - len(item)
     if item and array.strides[-1] != size:
         return None
