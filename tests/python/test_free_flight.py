@@ -54,8 +54,8 @@ OVERLAPS = [
 MEDIA = [(name,) for name in COMPONENTS] + OVERLAPS
 each_medium = pytest.mark.parametrize("names", MEDIA, ids="+".join)
 
-# Chance that all tests together reject a correct sampler is 1 %: Šidák, for both variants.
-THRESHOLD = 1 - 0.99 ** (1 / (2 * len(MEDIA)))
+# Chance that all tests together reject a correct sampler is 1 %: Šidák, both variants and lights.
+THRESHOLD = 1 - 0.99 ** (1 / (4 * len(MEDIA)))
 
 
 class Log:
@@ -109,7 +109,14 @@ def log_phase(variant):
     return Logged
 
 
-def flights(variant, names):
+# Before a sky, flights are drawn before rays are traced; in space, collisions are forced.
+LIGHTS = {
+    "sky": {"type": "constant"},
+    "space": {"type": "point", "position": [0.0, 0.0, 20.0]},
+}
+
+
+def flights(variant, names, light="sky"):
     """Distances of first collisions, of about FLIGHTS paths."""
     parts = {
         name: {"type": "analytic", "profile": name, "sigma_t": sigma_t, "phase": {"type": "logged"}}
@@ -132,7 +139,7 @@ def flights(variant, names):
                 "medium": medium | ball,
                 "film": film,
             },
-            "light": {"type": "constant"},
+            "light": LIGHTS[light],
         }
     )
     # Components of a sum write to the same log, which one kernel may not do at several places.
@@ -175,9 +182,10 @@ def p_value(distances, names, factor=1.0):
 
 
 @scalar_and_llvm
+@pytest.mark.parametrize("light", LIGHTS)
 @each_medium
-def test_flights_follow_their_closed_form(variant, names):
-    distances = flights(variant, names)
+def test_flights_follow_their_closed_form(variant, names, light):
+    distances = flights(variant, names, light)
     assert len(distances) > 0.8 * FLIGHTS
     p = p_value(distances, names)
     assert p > THRESHOLD, f"p = {p:.1e}, threshold {THRESHOLD:.1e}"

@@ -313,3 +313,29 @@ def test_properties_are_printed(variant):
     assert "spectral_sampling = tracking" in text
     assert "event_probabilities = maximum" in text
     assert "absorption = analogue" in text
+
+
+# ---- Polarisation
+
+
+@pytest.mark.parametrize("variant", ["scalar_spectral_polarized"], indirect=True)
+@pytest.mark.parametrize("phase", ["rayleigh", "hg"])
+def test_polarised_light_has_the_intensity_of_unpolarised_light(variant, phase):
+    """And no more polarisation than in stock, whose phase functions are scalar, Rayleigh's too."""
+    made = scene(fog(variant, phase={"type": phase}), size=32)
+    del made["glow"]  # NaN to stock in polarised variants
+    stokes = {"type": "stokes", "nested": ours("mis", max_depth=4)}
+    image = np.array(mi.render(mi.load_dict(made | {"integrator": stokes}), spp=4))
+    assert image.shape[-1] == 15  # intensity, then the four parameters, in three colours
+    assert image[..., 3:6].mean() > 0.1
+    assert (image[..., 6:] == 0).all()
+
+    polarised = passes(made, ours("mis"), 0, spp=8).mean((1, 2))
+    gc.collect()
+    mi.set_variant("scalar_spectral")
+    try:
+        plain = passes(made, ours("mis"), 1, spp=8).mean((1, 2))
+    finally:
+        gc.collect()
+        mi.set_variant(variant)
+    assert stats.ttest_ind(polarised, plain, equal_var=False).pvalue > 1e-4
