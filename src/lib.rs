@@ -21,8 +21,10 @@
 //! Equation numbers are those of the article "Sampling Analytic Participating Media".
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
-//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way.
+//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`coefficients`] has the ways to
+//! state σ_t; the C ABI offers them.
 
+pub mod coefficients;
 pub mod error;
 pub mod ffi;
 pub mod geometry;
