@@ -45,11 +45,6 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
-def unchecked(name, value) -> Argument:
-    """Numbers whose range the library checks."""
-    return Argument(name, value, (), lambda name, array: None)
-
-
 def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
     """Segments: origins, directions and lengths."""
     return point("o", o), direction("d", d), amount("t", t)
@@ -73,6 +68,12 @@ def answer(
     )
     scalars_or_arrays = tuple(result[()] for result in results)
     return scalars_or_arrays if outputs > 1 else scalars_or_arrays[0]
+
+
+def function(name: str, **arguments):
+    """The C function `name` of numbers, for every item of the broadcast arguments."""
+    inputs = [Argument(key, value, (), _check_nothing) for key, value in arguments.items()]
+    return answer(None, name, *inputs)
 
 
 def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
@@ -162,6 +163,10 @@ def _require(good: np.ndarray, name: str, reason: str, values: np.ndarray) -> No
     index = tuple(int(i) for i in np.unravel_index(np.argmin(good), np.shape(good)))
     where = f" at index {index}" if index else ""
     raise ValueError(f"{name} must be {reason}, got {values[index]}{where}")
+
+
+def _check_nothing(name, array):
+    """The library checks."""
 
 
 def _check_finite(name, array):

@@ -82,6 +82,12 @@ def version() -> str:
     return _ffi.string(_lib.am_version()).decode()
 
 
+def constant(name: str) -> float | tuple[float, ...]:
+    """A constant of the header: a number, or several."""
+    value = getattr(_lib, name)
+    return value if isinstance(value, float) else tuple(value)
+
+
 def _check(status: int) -> None:
     """ValueError for a bad argument, RuntimeError for a bug, with the library's own text."""
     if status == _lib.AM_STATUS_OK:
