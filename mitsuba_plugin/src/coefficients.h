@@ -3,7 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "functions.h"
 #include "quantity.h"
@@ -18,11 +21,10 @@ public:
 
     /// Reads the parameters of one parametrisation; and `scale`.
     Coefficients(const Properties &props) : m_by(choose(props)) {
-        const Formula &formula = m_by.formula;
-        m_first = read(props, m_by.first, [&](double x) { return formula.problem(x, Valid); });
+        const auto problem = m_by.formula.problem;
+        m_first = read(props, m_by.first, [=](double x) { return problem(x, Valid); });
         if (m_by.second.name)
-            m_second =
-                read(props, m_by.second, [&](double y) { return formula.problem(Valid, y); });
+            m_second = read(props, m_by.second, [=](double y) { return problem(Valid, y); });
         if (m_by.parts()) {
             m_sigma_s = read(props, m_by.scattering, range("sigma_s", dr::Infinity<double>));
         } else {
@@ -37,8 +39,7 @@ public:
 
     /// Whether a scene states the extinction by colour or wavelength.
     bool chromatic() const {
-        return m_by.formula.by_wavelength || !m_first.grey() || !m_second.grey() ||
-               !m_sigma_s.grey();
+        return m_by.by_wavelength || !m_first.grey() || !m_second.grey() || !m_sigma_s.grey();
     }
     /// False if a scene gives the albedo 0, and has not changed anything since.
     bool scatters() const { return m_scatters; }
@@ -112,12 +113,12 @@ private:
     struct Formula {
         std::string (*problem)(double, double);
         UnpolarizedSpectrum (*value)(const UnpolarizedSpectrum &, const UnpolarizedSpectrum &);
-        bool by_wavelength = false;
     };
 
     struct Parametrisation {
         Parameter first, second, scattering;
         Formula formula;
+        bool by_wavelength = false;
 
         bool has(const char *name) const {
             auto is = [&](const Parameter &p) { return p.name && !strcmp(p.name, name); };
@@ -143,12 +144,11 @@ private:
       [](const UnpolarizedSpectrum &x, const UnpolarizedSpectrum &) {                              \
           return AM_FUNCTION(function).channels(x);                                                \
       } }
-#define AM_OF_TWO(function, ...)                                                                   \
+#define AM_OF_TWO(function)                                                                        \
     { [](double x, double y) { return AM_FUNCTION(function).problem(x, y); },                      \
       [](const UnpolarizedSpectrum &x, const UnpolarizedSpectrum &y) {                             \
           return AM_FUNCTION(function).channels(x, y);                                             \
-      },                                                                                           \
-      ##__VA_ARGS__ }
+      } }
 #define AM_AS_IT_IS(name)                                                                          \
     { [](double x, double) { return range(name, dr::Infinity<double>)(x); },                       \
       [](const UnpolarizedSpectrum &x, const UnpolarizedSpectrum &) { return x; } }
@@ -169,10 +169,7 @@ private:
               { "contrast", 0.05 },
               albedo,
               AM_OF_TWO(am_sigma_t_from_visibility) },
-            { { "mass_density" },
-              { "mass_attenuation" },
-              albedo,
-              AM_OF_TWO(am_sigma_t_from_mass) },
+            { { "mass_density" }, { "mass_attenuation" }, albedo, AM_OF_TWO(am_sigma_t_from_mass) },
             { { "number_density" },
               { "cross_section" },
               albedo,
@@ -180,7 +177,8 @@ private:
             { { "extinction_index" },
               none,
               sigma_s,
-              AM_OF_TWO(am_sigma_a_from_extinction_index, true) },
+              AM_OF_TWO(am_sigma_a_from_extinction_index),
+              true },
         };
         return all;
     }
@@ -275,9 +273,9 @@ private:
     /// What the formula gives.
     template <typename Interaction>
     UnpolarizedSpectrum stated(const Interaction &it, Mask active) const {
-        return m_by.formula.value(m_first.eval(it, active), m_second
-                                                                ? m_second.eval(it, active)
-                                                                : wavelengths<Spectrum>(it));
+        const UnpolarizedSpectrum second =
+            m_second ? m_second.eval(it, active) : wavelengths<Spectrum>(it);
+        return m_by.formula.value(m_first.eval(it, active), second);
     }
 
     const Parametrisation &m_by;

@@ -64,9 +64,7 @@ public:
                   m_name, m_volume->class_name());
     }
 
-    void traverse(TraversalCallback *cb) {
-        cb->put(m_name, m_volume, ParamFlags::Differentiable);
-    }
+    void traverse(TraversalCallback *cb) { cb->put(m_name, m_volume, ParamFlags::Differentiable); }
 
     /// A line for to_string().
     std::string to_string() const {

@@ -40,7 +40,8 @@ def declarations(header: str) -> str:
                 pass
             case _ if all(taken):
                 kept.append(line)
-    return "\n".join(kept)
+    # cffi would look for the value of a constant here, not in the library.
+    return "\n".join(kept).replace("extern const double", "extern double")
 
 
 def _find(name: str, places: Sequence[Path]) -> Path:

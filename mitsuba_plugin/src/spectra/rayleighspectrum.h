@@ -51,8 +51,8 @@ public:
     MI_IMPORT_TYPES()
 
     RayleighSpectrum(const Properties &props) : Base(props) {
-        m_number_density = props.get<ScalarFloat>("number_density",
-                                                  (ScalarFloat) AM_STANDARD_NUMBER_DENSITY);
+        m_number_density =
+            props.get<ScalarFloat>("number_density", (ScalarFloat) AM_STANDARD_NUMBER_DENSITY);
         check();
         dr::make_opaque(m_number_density);
     }
@@ -69,8 +69,7 @@ public:
 
     UnpolarizedSpectrum eval(const SurfaceInteraction3f &si, Mask active) const override {
         MI_MASKED_FUNCTION(ProfilerPhase::TextureEvaluate, active);
-        return m_number_density *
-               AM_FUNCTION(am_rayleigh_air).channels(wavelengths<Spectrum>(si));
+        return m_number_density * AM_FUNCTION(am_rayleigh_air).channels(wavelengths<Spectrum>(si));
     }
 
     ScalarFloat max() const override {
