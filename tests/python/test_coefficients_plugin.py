@@ -17,6 +17,7 @@ scalar_and_llvm = pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb
 scalar_rgb = pytest.mark.parametrize("variant", ["scalar_rgb"], indirect=True)
 spectral = pytest.mark.parametrize("variant", ["scalar_spectral"], indirect=True)
 llvm_ad_rgb = pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
+mono = pytest.mark.parametrize("variant", ["llvm_ad_mono"], indirect=True)
 every = pytest.mark.parametrize(
     "variant", ["scalar_rgb", "scalar_spectral", "llvm_ad_rgb"], indirect=True
 )
@@ -184,6 +185,17 @@ def test_extinction_index_is_that_of_the_wavelength(variant):
     np.testing.assert_allclose(found, 0.5 + 4e9 * np.pi * 1e-7 / nm, rtol=1e-6)
     np.testing.assert_allclose(albedo, 0.5 / found, rtol=1e-6)
     assert medium.has_spectral_extinction()
+
+
+@mono
+def test_light_without_colour_is_green(variant):
+    medium = mi.load_dict({"type": "analytic", "extinction_index": 1e-7, "sigma_s": 0.5})
+    found, _ = coefficients(medium)
+    np.testing.assert_allclose(found, 0.5 + 4e9 * np.pi * 1e-7 / 550, rtol=1e-6)
+    found, _ = coefficients(mi.load_dict(RAYLEIGH))
+    expected = c.STANDARD_NUMBER_DENSITY * c.rayleigh_air(550)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    assert not medium.has_spectral_extinction()
 
 
 @spectral
