@@ -47,6 +47,46 @@ typedef int32_t am_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What the probability of an event at a collision is in proportion to. Numbers are fixed for ever.
+enum am_event_rule
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The largest coefficient of all wavelengths.
+  AM_EVENT_RULE_MAXIMUM = 0,
+  // The mean coefficient.
+  AM_EVENT_RULE_AVERAGE = 1,
+  // The mean of the coefficients, each weighted by the path weight so far.
+  AM_EVENT_RULE_HISTORY = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum am_event_rule am_event_rule;
+#else
+typedef uint32_t am_event_rule;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What becomes of absorption. Numbers are fixed for ever.
+enum am_absorption
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // It is an event, at which a path ends.
+  AM_ABSORPTION_SAMPLED = 0,
+  // It is in the weights of the other events. Right where nothing is emitted.
+  AM_ABSORPTION_WEIGHTED = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum am_absorption am_absorption;
+#else
+typedef uint32_t am_absorption;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Numbers or points in the memory of the caller: item `i` starts at
 // `data[i * stride]`, and the three components of a point follow each other.
 typedef struct am_array_f64 {
@@ -1445,7 +1485,7 @@ am_status am_rayleigh_cross_section_record(const struct am_host_table *host,
                                            am_node king_factor,
                                            am_node *value);
 
-// The number of the kind of profile called `name`: "constant", "linear", "exponential".
+// The number of the kind of profile called `name`, for example "exponential".
 //
 // # Safety
 // `name` is a string that ends with a zero; `kind` points to one number.
@@ -2454,7 +2494,7 @@ am_status am_profile_bounds_in_box_record(const struct am_host_table *host,
 //
 // `z` = r/H ≥ 0 is the distance from the centre in scale heights, `cos_zenith` in [−1, 1] is
 // positive upwards. The planet is transparent: below the horizontal the value grows to
-// 2 exp(z) − 1, and overflows to ∞. Relative error below 2e-14, in single precision 5e-7.
+// 2 exp(z) − 1, and overflows to ∞. Relative error below 1e-13, in single precision 1e-6.
 // Source: article, Eq. 42; Chapman (1931).
 //
 // # Safety
@@ -2965,7 +3005,7 @@ am_status am_erfcx_golubev_record(const struct am_host_table *host,
                                   am_node x,
                                   am_node *value);
 
-// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.3e-3.
+// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.4e-3.
 // Source: draft of the article, Eq. 44; Ren and MacKenzie (2007).
 //
 // # Safety
@@ -3001,6 +3041,199 @@ am_status am_erfcx_ren_mackenzie_batch_f32(size_t n,
 am_status am_erfcx_ren_mackenzie_record(const struct am_host_table *host,
                                         am_node x,
                                         am_node *value);
+
+// Probabilities of the events at a collision in flight against a majorant, and what each
+// multiplies the path weights by, per wavelength. Events are 0: absorption, 1: scattering,
+// 2: null.
+//
+// `rule` is an `am_event_rule`, `absorption` an `am_absorption`. Coefficients `sigma_a`,
+// `sigma_s` and `majorant` are in 1/length, finite and ≥ 0; the null coefficient is what they
+// leave of the majorant, and may be negative. `path_weights` are finite, of either sign, and
+// are of use with `AM_EVENT_RULE_HISTORY` only.
+//
+// Probabilities sum to 1. One is 0 only where no wavelength has both the coefficient and, by
+// history, a path weight; weights of such an event are 0. Path weights that are all 0 count as
+// equal. If absorption is weighted and nothing else can happen, the event is null, with weight
+// 0; without a majorant it is null, with weight 1. Weights are limited to ±1e150, in single
+// precision ±1e15. Source: article, Eq. 68 to 74; Kutz et al. (2017).
+//
+// # Safety
+// Spectra point to `n_wavelengths` numbers, `probabilities` to 3, `weights` to
+// 3 `n_wavelengths`: those of event 0 for all wavelengths, of event 1, of event 2.
+am_status am_null_collision_probabilities_f64(size_t n_wavelengths,
+                                              uint32_t rule,
+                                              uint32_t absorption,
+                                              const double *sigma_a,
+                                              const double *sigma_s,
+                                              double majorant,
+                                              const double *path_weights,
+                                              double *probabilities,
+                                              double *weights);
+
+// `am_null_collision_probabilities_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_null_collision_probabilities_f32(size_t n_wavelengths,
+                                              uint32_t rule,
+                                              uint32_t absorption,
+                                              const float *sigma_a,
+                                              const float *sigma_s,
+                                              float majorant,
+                                              const float *path_weights,
+                                              float *probabilities,
+                                              float *weights);
+
+// `am_null_collision_probabilities_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_null_collision_probabilities_batch_f64(size_t n,
+                                                    size_t n_wavelengths,
+                                                    uint32_t rule,
+                                                    uint32_t absorption,
+                                                    struct am_array_f64 sigma_a,
+                                                    struct am_array_f64 sigma_s,
+                                                    struct am_array_f64 majorant,
+                                                    struct am_array_f64 path_weights,
+                                                    double *probabilities,
+                                                    double *weights);
+
+// `am_null_collision_probabilities_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_null_collision_probabilities_batch_f32(size_t n,
+                                                    size_t n_wavelengths,
+                                                    uint32_t rule,
+                                                    uint32_t absorption,
+                                                    struct am_array_f32 sigma_a,
+                                                    struct am_array_f32 sigma_s,
+                                                    struct am_array_f32 majorant,
+                                                    struct am_array_f32 path_weights,
+                                                    float *probabilities,
+                                                    float *weights);
+
+// `am_null_collision_probabilities_f64` recorded on the tape of `host`: arguments and results are slots. Ranges of arguments are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_null_collision_probabilities_record(const struct am_host_table *host,
+                                                 size_t n_wavelengths,
+                                                 uint32_t rule,
+                                                 uint32_t absorption,
+                                                 const am_node *sigma_a,
+                                                 const am_node *sigma_s,
+                                                 am_node majorant,
+                                                 const am_node *path_weights,
+                                                 am_node *probabilities,
+                                                 am_node *weights);
+
+// Weights of spectral multiple importance sampling, by the balance heuristic: the density of a
+// path under each wavelength, over the mean of all densities by `hero_probabilities`.
+//
+// `log_densities` are natural logarithms, < ∞, and −∞ for a path that the wavelength does not
+// have; what all have in common may be left out. For a free flight that is minus its optical
+// depth, plus the logarithm of the attenuation coefficient if it ends in a collision.
+// `hero_probabilities` are those by which the wavelength that draws paths is chosen, in
+// [0, 1] and of sum 1 to within 1e-5.
+//
+// A wavelength's share of an image is contribution over density, times this weight; over its
+// own probability density if wavelengths are drawn, which is no part of `log_densities`.
+// The mean of the weights by `hero_probabilities` is 1, or 0 if no hero has such a path. Only
+// differences of logarithms count, so optical depths may be of any size. A weight is at most
+// 1 over the hero probability; where that is 0, it is limited to 1e150, in single precision
+// 1e15. Source: article, Eq. 61 to 66, corrected; Wilkie et al. (2014).
+//
+// # Safety
+// Spectra and `weights` point to `n_wavelengths` numbers.
+am_status am_spectral_mis_weights_f64(size_t n_wavelengths,
+                                      const double *log_densities,
+                                      const double *hero_probabilities,
+                                      double *weights);
+
+// `am_spectral_mis_weights_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_spectral_mis_weights_f32(size_t n_wavelengths,
+                                      const float *log_densities,
+                                      const float *hero_probabilities,
+                                      float *weights);
+
+// `am_spectral_mis_weights_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_spectral_mis_weights_batch_f64(size_t n,
+                                            size_t n_wavelengths,
+                                            struct am_array_f64 log_densities,
+                                            struct am_array_f64 hero_probabilities,
+                                            double *weights);
+
+// `am_spectral_mis_weights_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_spectral_mis_weights_batch_f32(size_t n,
+                                            size_t n_wavelengths,
+                                            struct am_array_f32 log_densities,
+                                            struct am_array_f32 hero_probabilities,
+                                            float *weights);
+
+// `am_spectral_mis_weights_f64` recorded on the tape of `host`: arguments and results are slots. Ranges of arguments are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_spectral_mis_weights_record(const struct am_host_table *host,
+                                         size_t n_wavelengths,
+                                         const am_node *log_densities,
+                                         const am_node *hero_probabilities,
+                                         am_node *weights);
+
+// Probabilities of the wavelengths as heroes in proportion to the size of their path weights,
+// which are finite; equal where all are 0.
+//
+// # Safety
+// Both arrays point to `n_wavelengths` numbers.
+am_status am_hero_probabilities_f64(size_t n_wavelengths,
+                                    const double *path_weights,
+                                    double *hero_probabilities);
+
+// `am_hero_probabilities_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_hero_probabilities_f32(size_t n_wavelengths,
+                                    const float *path_weights,
+                                    float *hero_probabilities);
+
+// `am_hero_probabilities_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_hero_probabilities_batch_f64(size_t n,
+                                          size_t n_wavelengths,
+                                          struct am_array_f64 path_weights,
+                                          double *hero_probabilities);
+
+// `am_hero_probabilities_f64` for `n` items. Items of spectra are `n_wavelengths` numbers. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_hero_probabilities_batch_f32(size_t n,
+                                          size_t n_wavelengths,
+                                          struct am_array_f32 path_weights,
+                                          float *hero_probabilities);
+
+// `am_hero_probabilities_f64` recorded on the tape of `host`: arguments and results are slots. Ranges of arguments are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_hero_probabilities_record(const struct am_host_table *host,
+                                       size_t n_wavelengths,
+                                       const am_node *path_weights,
+                                       am_node *hero_probabilities);
 
 // What a status means, in a few words. Never null; the string lives for ever.
 // Numbers that are no status give "unknown status".

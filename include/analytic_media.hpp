@@ -105,7 +105,7 @@ class Profile {
 public:
     using Parameters = std::initializer_list<std::pair<const char *, std::vector<double>>>;
 
-    // The profile called `kind` ("constant", "linear", "exponential"). Parameters that are not
+    // The profile called `kind` (for example "exponential"). Parameters that are not
     // given take their defaults.
     explicit Profile(const char *kind, Parameters parameters = {}) {
         detail::check(am_profile_kind(kind, &m_data.kind));

@@ -130,6 +130,17 @@ pub(crate) fn rayleigh_wavelength(argument: &'static str, value: f64) -> Result<
     check(argument, value, good, "must be in [200, 2000] nm")
 }
 
+/// `value`, if it is a probability.
+pub(crate) fn probability(argument: &'static str, value: f64) -> Result<f64, Error> {
+    fraction(argument, value)
+}
+
+/// `value`, if it is a number below ∞; −∞ is.
+pub(crate) fn below_infinity(argument: &'static str, value: f64) -> Result<f64, Error> {
+    let good = value < f64::INFINITY;
+    check(argument, value, good, "must be a number < inf")
+}
+
 fn check(
     argument: &'static str,
     value: f64,

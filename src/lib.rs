@@ -21,8 +21,8 @@
 //! Equation numbers are those of the article "Sampling Analytic Participating Media".
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
-//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`coefficients`] has the ways to
-//! state σ_t; the C ABI offers them.
+//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] stands beside
+//! `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers.
 
 pub mod coefficients;
 pub mod error;
@@ -34,5 +34,6 @@ pub mod real;
 pub mod sampling;
 mod solve;
 pub mod special;
+pub mod spectral;
 
 pub use error::Error;

@@ -148,6 +148,11 @@ fn coefficients_have_their_values() {
 }
 
 #[test]
+fn functions_of_spectra_have_their_values() {
+    conforms("tests/c/spectral.c");
+}
+
+#[test]
 fn recorded_questions_have_the_same_answers() {
     conforms("tests/c/record.c");
 }
@@ -183,6 +188,7 @@ fn no_function_is_forgotten() {
         "describe.c",
         "record.c",
         "planet.c",
+        "spectral.c",
         "check.h",
     ]
     .map(|name| read(&format!("tests/c/{name}")))

@@ -47,8 +47,7 @@ PICTURES = {
     "earth_orbit": [(from_file("earth_orbit"), 0, False)],
     "aerial_perspective": [(from_file("aerial_perspective"), 0, False)],
     "mars_sunset": [
-        (from_preset(am.presets.mars, "horizon", sun_zenith=85, sun_azimuth=0), 0, False),
-        (from_preset(am.presets.mars, "fisheye", sun_zenith=85, sun_azimuth=0), 0, True),
+        (from_preset(am.presets.mars, "horizon", dust=0.4, sun_zenith=85, sun_azimuth=0), 0, False)
     ],
     "titan_orbit": [
         (from_preset(am.presets.titan, "orbit", altitude=2e6, fov=60, sun_zenith=75), 0, False)

@@ -1,6 +1,6 @@
 """Arguments and results as NumPy arrays: checks, broadcasting, and float types."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -45,6 +45,16 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
+def unchecked(name, value) -> Argument:
+    """Numbers whose range the library checks."""
+    return Argument(name, value, (), lambda name, array: None)
+
+
+def spectrum(name, value, n: int) -> Argument:
+    """Numbers of `n` wavelengths (..., n), whose range the library checks."""
+    return unchecked(name, value)._replace(item=(n,))
+
+
 def segment(o, d, t) -> tuple[Argument, Argument, Argument]:
     """Segments: origins, directions and lengths."""
     return point("o", o), direction("d", d), amount("t", t)
@@ -58,21 +68,31 @@ def answer(
     Returns an array of the shape of the broadcast items, followed by `width`; a tuple of such
     arrays if there are several `outputs`.
     """
+    results = answers(model, question, *inputs, shapes=[width] * outputs)
+    return results if outputs > 1 else results[0]
+
+
+def answers(
+    model: _native.Model | None,
+    question: str,
+    *inputs: Argument | int,
+    shapes: Sequence[tuple[int, ...]],
+) -> tuple:
+    """`answer` with an output for each of `shapes`, which are those of one item."""
     arguments = [argument for argument in inputs if isinstance(argument, Argument)]
-    shape, arrays = _broadcast(arguments)
+    batch, arrays = _broadcast(arguments)
     items = iter([_items(array, a.item) for array, a in zip(arrays, arguments, strict=True)])
-    results = [np.empty(shape + width, arrays[0].dtype) for _ in range(outputs)]
-    n = int(np.prod(shape, dtype=np.intp))
+    results = [np.empty(batch + shape, arrays[0].dtype) for shape in shapes]
+    n = int(np.prod(batch, dtype=np.intp))
     _native.ask(
         model, question, n, [i if isinstance(i, int) else next(items) for i in inputs], results
     )
-    scalars_or_arrays = tuple(result[()] for result in results)
-    return scalars_or_arrays if outputs > 1 else scalars_or_arrays[0]
+    return tuple(result[()] for result in results)
 
 
 def function(name: str, **arguments):
     """The C function `name` of numbers, for every item of the broadcast arguments."""
-    inputs = [Argument(key, value, (), _check_nothing) for key, value in arguments.items()]
+    inputs = [unchecked(key, value) for key, value in arguments.items()]
     return answer(None, name, *inputs)
 
 
@@ -127,7 +147,8 @@ def _real(argument: Argument) -> np.ndarray:
         got = argument.value
         raise ValueError(f"{argument.name} must be an array of real numbers, got {got!r}")
     if argument.item and array.shape[-1:] != argument.item:
-        raise ValueError(f"{argument.name} must have the shape (..., 3), got {array.shape}")
+        shape = f"(..., {argument.item[0]})"
+        raise ValueError(f"{argument.name} must have the shape {shape}, got {array.shape}")
     return array
 
 
@@ -136,13 +157,13 @@ def _items(array: np.ndarray, item: tuple[int, ...]) -> _native.Items:
     stride = _stride(array, item)
     if stride is None:
         array = np.ascontiguousarray(array)
-        stride = 3 if item else 1
+        stride = item[0] if item else 1
     return _native.Items(array, stride)
 
 
 def _stride(array: np.ndarray, item: tuple[int, ...]) -> int | None:
     """The stride between items, in numbers; None if there is not one stride for all."""
-    size, width = array.itemsize, 3 if item else 1
+    size, width = array.itemsize, item[0] if item else 1
     batch = array.ndim - len(item)
     if item and array.strides[-1] != size:
         return None
@@ -163,10 +184,6 @@ def _require(good: np.ndarray, name: str, reason: str, values: np.ndarray) -> No
     index = tuple(int(i) for i in np.unravel_index(np.argmin(good), np.shape(good)))
     where = f" at index {index}" if index else ""
     raise ValueError(f"{name} must be {reason}, got {values[index]}{where}")
-
-
-def _check_nothing(name, array):
-    """The library checks."""
 
 
 def _check_finite(name, array):

@@ -97,6 +97,12 @@ def _check(status: int) -> None:
     raise (RuntimeError if status == _lib.AM_STATUS_PANIC else ValueError)(message)
 
 
+def choices(enum: str) -> dict[str, int]:
+    """Names and numbers of an enum of the library, for example "event_rule"."""
+    names = sorted(_ffi.typeof(f"enum am_{enum}").elements.items())
+    return {name.removeprefix(f"AM_{enum.upper()}_").lower(): number for number, name in names}
+
+
 # ---- Profiles and media ----------------------------------------------------------------------
 
 

@@ -24,6 +24,7 @@ def parser():
     commands = top.add_subparsers(required=True, metavar="COMMAND")
     add_compare(commands)
     add_voxelize(commands)
+    add_figures(commands)
     add_doctor(commands)
     return top
 
@@ -82,6 +83,19 @@ def add_voxelize(commands):
     add_output(command, "voxels")
     add_define(command)
     command.set_defaults(command=run_voxelize)
+
+
+def add_figures(commands):
+    command = commands.add_parser(
+        "figures",
+        help="draw the figures of the article from our own functions",
+        description="Writes each figure NAME as NAME.png. Needs no Mitsuba.",
+    )
+    command.add_argument(
+        "names", nargs="*", metavar="NAME", help="figure (default: all; an unknown one lists them)"
+    )
+    add_output(command, "figures")
+    command.set_defaults(command=run_figures)
 
 
 def add_doctor(commands):
@@ -227,6 +241,19 @@ def run_voxelize(options):
         lower, upper = (", ".join(f"{c:g}" for c in corner) for corner in grid.bbox)
         print(f"{grid.path}: {grid.nbytes / 2**20:.1f} MiB, box ({lower}) to ({upper})")
     print(f"{scene}: renders with stock Mitsuba")
+    return 0
+
+
+def run_figures(options):
+    from .figures import UnknownFigure, draw
+
+    try:
+        for path in draw(options.names, options.output):
+            print(path, flush=True)
+    except UnknownFigure as error:
+        return complain(error, USAGE_ERROR)
+    except OSError as error:
+        return complain(error, 1)
     return 0
 
 

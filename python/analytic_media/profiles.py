@@ -198,7 +198,7 @@ class Tent(Profile, kind="tent"):
 
     * `center`: centre of the planet, point, finite
     * `radius`: where the altitude is 0, length, > 0
-    * `height`: altitude at which the density is 1, length, > -radius
+    * `height`: altitude at which the density is 1, length, finite
     * `width`: altitude above and below it where the density is 0, length, > 0
     """
 

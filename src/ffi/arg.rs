@@ -38,3 +38,12 @@ pub fn output<T>(pointer: *mut T, n: usize, name: &str) -> Result<(), Failure> {
         Ok(())
     }
 }
+
+/// Fails if there is none of something.
+pub fn count(n: usize, name: &str) -> Result<(), Failure> {
+    if n > 0 {
+        return Ok(());
+    }
+    let message = format!("{name} must be >= 1, got 0");
+    Err(Failure::new(AmStatus::InvalidArgument, message))
+}

@@ -70,7 +70,7 @@ fn write_name(name: &str, out: &mut [c_char; AM_NAME_SIZE]) {
     }
 }
 
-/// The number of the kind of profile called `name`: "constant", "linear", "exponential".
+/// The number of the kind of profile called `name`, for example "exponential".
 ///
 /// # Safety
 /// `name` is a string that ends with a zero; `kind` points to one number.

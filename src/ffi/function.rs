@@ -5,30 +5,33 @@
 //! checked before anything is written; slots of a tape cannot be.
 
 use super::array::Array;
-use super::{AmStatus, Failure, arg};
+use super::{AmStatus, Failure, arg, query};
 use crate::error::Error;
 
-/// The range of an argument.
-pub type Range = fn(&'static str, f64) -> Result<f64, Error>;
+/// The range of an item, which may be several numbers.
+pub type Check = fn(&'static str, &[f64]) -> Result<(), Error>;
 
-/// Checks an array of `n` numbers.
+/// Checks an array of `n` items of `width` numbers.
 ///
 /// # Safety
 /// `array` holds `n` items, or one if its stride is 0.
 pub unsafe fn check_batch<A: Array>(
     array: &A,
     n: usize,
+    width: usize,
     name: &'static str,
-    range: Range,
+    check: Check,
 ) -> Result<(), Failure>
 where
     A::Number: Into<f64>,
 {
-    array.check(n, 1, name)?;
+    array.check(n, width, name)?;
+    let mut numbers = query::Results::new();
     for item in 0..n {
+        numbers.clear();
         // SAFETY: promised by the caller.
-        let value = unsafe { array.get(item, 0) }.into();
-        range(name, value).map_err(|error| {
+        numbers.extend((0..width).map(|i| unsafe { array.get(item, i) }.into()));
+        check(name, &numbers).map_err(|error| {
             let message = format!("{error} at item {item}");
             Failure::new(AmStatus::InvalidArgument, message)
         })?;
@@ -102,8 +105,12 @@ macro_rules! functions {
             value: *mut $float,
         ) -> AmStatus {
             guard(|| {
-                // SAFETY: promised by the caller.
-                $( unsafe { function::check_batch(&$arg, n, stringify!($arg), error::$range) }?; )+
+                $(
+                    let check: function::Check =
+                        |name, numbers| error::$range(name, numbers[0]).map(drop);
+                    // SAFETY: promised by the caller.
+                    unsafe { function::check_batch(&$arg, n, 1, stringify!($arg), check) }?;
+                )+
                 function::check_output(value, n)?;
                 query::in_lanes(n, &[value], |item, results| {
                     $(

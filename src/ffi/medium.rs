@@ -46,14 +46,6 @@ pub struct AmMediumNodes {
     pub n_channels: usize,
 }
 
-fn count(n: usize, name: &str) -> Result<(), Failure> {
-    if n > 0 {
-        return Ok(());
-    }
-    let message = format!("{name} must be >= 1, got 0");
-    Err(Failure::new(AmStatus::InvalidArgument, message))
-}
-
 fn check_channel(channel: usize, n_channels: usize) -> Result<(), Failure> {
     if channel < n_channels {
         return Ok(());
@@ -65,8 +57,8 @@ fn check_channel(channel: usize, n_channels: usize) -> Result<(), Failure> {
 impl AmMedium {
     /// Profiles and coefficients.
     fn parts(&self) -> Result<(&[AmProfile], &[f64]), Failure> {
-        count(self.n_components, "n_components")?;
-        count(self.n_channels, "n_channels")?;
+        arg::count(self.n_components, "n_components")?;
+        arg::count(self.n_channels, "n_channels")?;
         // SAFETY: promised by the caller who made the struct.
         unsafe {
             let profiles = arg::slice(self.profiles, self.n_components, "profiles")?;
@@ -95,8 +87,8 @@ impl RecordedModel for AmMediumNodes {
     type In<R: Real> = Medium<R>;
 
     unsafe fn nodes<'h>(&self, host: &'h AmHostTable) -> Result<Medium<Node<'h>>, Failure> {
-        count(self.n_components, "n_components")?;
-        count(self.n_channels, "n_channels")?;
+        arg::count(self.n_components, "n_components")?;
+        arg::count(self.n_channels, "n_channels")?;
         // SAFETY: promised by the caller.
         let (profiles, sigma_t) = unsafe {
             let n = self.n_components * self.n_channels;

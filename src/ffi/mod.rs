@@ -21,6 +21,7 @@ mod medium;
 mod profile;
 mod query;
 mod special;
+mod spectral;
 mod status;
 
 pub use crate::real::node::{AmHostTable, AmNode};
@@ -31,6 +32,7 @@ pub use geometry::*;
 pub use medium::*;
 pub use profile::*;
 pub use special::*;
+pub use spectral::*;
 pub use status::*;
 
 use crate::error::Error;

@@ -57,34 +57,49 @@ pub struct Items {
 }
 
 impl Items {
+    /// All of `n` items, lanes at a time.
+    pub fn of<L: Lanes>(n: usize) -> impl Iterator<Item = Self> {
+        let last = n.wrapping_sub(1);
+        (0..n)
+            .step_by(L::COUNT)
+            .map(move |first| Self { first, last })
+    }
+
     /// The item of a lane; lanes beyond the end repeat the last item.
     #[inline(always)]
     pub fn at(self, lane: usize) -> usize {
         (self.first + lane).min(self.last)
     }
+
+    /// Writes the results of these items to `output`, which has `results.len()` numbers for each.
+    /// Those of lanes beyond the end are dropped.
+    pub fn write<L: Lanes>(self, results: &[L], output: *mut L::Scalar) {
+        let width = results.len();
+        for (channel, result) in results.iter().enumerate() {
+            result.scatter(|lane, value| {
+                let item = self.first + lane;
+                if item <= self.last {
+                    // SAFETY: the caller of the batch promises n · width numbers per output.
+                    unsafe { *output.add(item * width + channel) = value };
+                }
+            });
+        }
+    }
 }
 
-/// Runs `question(items, results)` for `n` items, lanes at a time. The results of lanes beyond
-/// the end are dropped.
+/// Runs `question(items, results)` for `n` items, lanes at a time.
 pub fn in_lanes<L: Lanes>(
     n: usize,
     outputs: &[*mut L::Scalar],
     mut question: impl FnMut(Items, &mut Results<L>),
 ) {
     let mut results = Results::new();
-    for first in (0..n).step_by(L::COUNT) {
+    for items in Items::of::<L>(n) {
         results.clear();
-        let last = n - 1;
-        question(Items { first, last }, &mut results);
+        question(items, &mut results);
         let width = results.len() / outputs.len();
-        for (k, result) in results.iter().enumerate() {
-            let (output, channel) = (outputs[k / width], k % width);
-            result.scatter(|lane, value| {
-                if first + lane < n {
-                    // SAFETY: the caller of the batch promises n · width numbers per output.
-                    unsafe { *output.add((first + lane) * width + channel) = value };
-                }
-            });
+        for (output, part) in outputs.iter().zip(results.chunks(width)) {
+            items.write(part, *output);
         }
     }
 }
@@ -98,14 +113,18 @@ pub fn write_numbers<T: Copy>(results: &[T], outputs: &[*mut T]) {
     }
 }
 
-/// Writes slots to the outputs of a recording, unless the host failed.
-pub fn write_slots(results: &[Node<'_>], outputs: &[*mut AmNode]) -> Result<(), Failure> {
+/// The slots of results, unless the host failed.
+pub fn slots(results: &[Node<'_>]) -> Result<Vec<AmNode>, Failure> {
     if results.iter().any(|node| node.slot() == 0) {
         let message = "the host returned slot 0 while recording";
         return Err(Failure::new(super::AmStatus::HostError, message));
     }
-    let slots: Vec<AmNode> = results.iter().map(|node| node.slot()).collect();
-    write_numbers(&slots, outputs);
+    Ok(results.iter().map(|node| node.slot()).collect())
+}
+
+/// Writes slots to the outputs of a recording, unless the host failed.
+pub fn write_slots(results: &[Node<'_>], outputs: &[*mut AmNode]) -> Result<(), Failure> {
+    write_numbers(&slots(results)?, outputs);
     Ok(())
 }
 

@@ -15,7 +15,7 @@ functions! {
     ///
     /// `z` = r/H ≥ 0 is the distance from the centre in scale heights, `cos_zenith` in [−1, 1] is
     /// positive upwards. The planet is transparent: below the horizontal the value grows to
-    /// 2 exp(z) − 1, and overflows to ∞. Relative error below 2e-14, in single precision 5e-7.
+    /// 2 exp(z) − 1, and overflows to ∞. Relative error below 1e-13, in single precision 1e-6.
     /// Source: article, Eq. 42; Chapman (1931).
     ///
     /// # Safety
@@ -129,7 +129,7 @@ functions! {
     am_erfcx_golubev_batch_f64 am_erfcx_golubev_batch_f32 am_erfcx_golubev_record
     |x: not_negative| => approximations::erfcx_golubev
 
-    /// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.3e-3.
+    /// Approximation of exp(x²) erfc(x) for `x` ≥ 0. Relative error 3.4e-3.
     /// Source: draft of the article, Eq. 44; Ren and MacKenzie (2007).
     ///
     /// # Safety

@@ -4,7 +4,7 @@
 //!     N(t) = H ρ(h_i) (A(p, a, Y) + A(p, 0, Y′))                      (1)
 //!
 //! A is the column of a piece that leads outwards, relative to the density ρ(h_i) at its inner
-//! end, all in scale heights (see [`crate::special::chapman`]). A ray that climbs is one piece; one
+//! end, all in scale heights (see [`crate::special::arc`]). A ray that climbs is one piece; one
 //! that descends is the same piece seen from its other end; one that passes its perigee is two
 //! pieces that begin there. Heights come from differences that do not cancel
 //! ([`crate::geometry::planet`]), so the shortest segment is as accurate as the infinite one, and

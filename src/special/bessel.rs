@@ -8,7 +8,7 @@
 use super::arc::arc;
 use crate::real::Real;
 
-/// z e^z K₁(z) for z ≥ 0. Relative error below 2e-14 (f64) and 4e-7 (f32); costs the exponentials
+/// z e^z K₁(z) for z ≥ 0. Relative error below 2e-14 (f64) and 6e-7 (f32); costs the exponentials
 /// of one quadrature.
 pub fn k1_scaled<R: Real>(z: R) -> R {
     arc(z, z.lit(0.0), z.lit(f64::INFINITY))

@@ -10,6 +10,7 @@
 
 #include "channels.h"
 #include "integrators/survey.h"
+#include "spectral_sampling.h"
 
 namespace mitsuba {
 
@@ -40,15 +41,33 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
    - Light samples per vertex, stratified over the light sources. (Default: 0, which stands for 2
      where there are several light sources, such as sun and sky, and for 1 otherwise)
 
+ * - spectral_sampling
+   - |string|
+   - How paths through media are drawn whose extinction varies with colour or wavelength. ``mis``:
+     from one channel, chosen by what the path would lose in it, and weighted by the balance
+     heuristic over all. ``single``: a path is for one channel only. ``average``: from the mean
+     extinction. ``tracking``: from the greatest extinction, with null collisions. (Default:
+     ``mis``)
+
+ * - event_probabilities
+   - |string|
+   - For ``tracking``: the probabilities of scattering and of null collisions are in proportion to
+     the coefficients' ``maximum`` over the channels, to their ``average``, or to their average
+     weighted by the throughput of the path, ``history``. (Default: ``history``)
+
+ * - absorption
+   - |string|
+   - ``weight``: paths go on with what is not absorbed. ``analogue``: they end with the probability
+     of absorption. (Default: ``weight``)
+
 A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their sums,
 :ref:`overlap <medium-overlap>`. Free flights are drawn by
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
-wavelength, every flight is drawn from the channel chosen in proportion to the throughput, and
-weighted by the balance heuristic over all channels. Light from behind the medium, where a ray meets
-no surface, is added in full, and the ray made to collide more often than in nature, at a lower
-weight: a clear sky is as free of noise as a cloud. Light sources are combined with phase functions
-and BSDFs by multiple importance sampling.
+wavelength, one path serves all channels: ``spectral_sampling`` says how. In scenes without an
+environment, rays that meet no surface are made to collide more often than in nature, at a lower
+weight: a clear sky before black space is as free of noise as a cloud. Light sources are combined
+with phase functions and BSDFs by multiple importance sampling.
 
 Parameters, path depth and roulette are those of ``volpath``, except that passing an index-matched
 boundary plays no roulette. Stock media in the same scene are rendered by delta tracking, and their
@@ -74,8 +93,10 @@ public:
     MI_IMPORT_TYPES(Scene, Sensor, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Medium, MediumPtr,
                     PhaseFunction, PhaseFunctionPtr, PhaseFunctionContext)
     using AnalyticPtr = dr::replace_scalar_t<Float, const FormulaMedium<Float, Spectrum> *>;
+    using Flight = typename FormulaMedium<Float, Spectrum>::Flight;
+    using FlightVariates = typename FormulaMedium<Float, Spectrum>::FlightVariates;
 
-    AnalyticVolpathIntegrator(const Properties &props) : Base(props) {
+    AnalyticVolpathIntegrator(const Properties &props) : Base(props), m_rules(props) {
         int64_t samples = props.get<int64_t>("emitter_samples", 0);
         if (samples < 0 || samples > 64)
             Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
@@ -107,6 +128,9 @@ public:
         path.count_emission = !m_hide_emitters;
         path.valid = !m_hide_emitters && scene->environment() != nullptr;
         path.sampler = sampler;
+        path.behind = false;
+        if (m_rules.sampling == SpectralSampling::Single && Channels > 1)
+            path.throughput *= one_channel(sampler->next_1d(active));
 
         dr::tie(path) = dr::while_loop(
             dr::make_tuple(path), [](const Path &p) { return p.active; },
@@ -120,7 +144,8 @@ public:
             << "  max_depth = " << (int32_t) m_max_depth << "," << std::endl
             << "  rr_depth = " << m_rr_depth << "," << std::endl
             << "  hide_emitters = " << m_hide_emitters << "," << std::endl
-            << "  emitter_samples = " << m_emitter_samples << std::endl
+            << "  emitter_samples = " << m_emitter_samples << "," << std::endl
+            << m_rules.to_string() << std::endl
             << "]";
         return oss.str();
     }
@@ -133,6 +158,8 @@ private:
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
+    /// Colours or wavelengths of a path.
+    static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
 
     /// State of a path between two vertices.
     struct Path {
@@ -148,11 +175,13 @@ private:
         Float last_pdf = 1.f;
         /// Emission counts fully: it could not have been sampled from the last vertex.
         Mask count_emission;
+        /// Went on from a null collision: the light behind it has been counted.
+        Mask behind;
         Mask valid;
         Sampler *sampler = nullptr;
 
         DRJIT_STRUCT(Path, active, ray, medium, throughput, result, eta, depth, last, last_pdf,
-                     count_emission, valid, sampler)
+                     count_emission, behind, valid, sampler)
     };
 
     /// Where a ray ends: at a surface, in a collision, or outside the scene.
@@ -163,6 +192,8 @@ private:
         Mask scatters;
         /// Collided with nothing real: goes on from mi.p in the same direction.
         Mask passes;
+        /// Collided, and ends there.
+        Mask absorbed;
         /// Meets no surface in a medium of ours: what is behind it needs no sampling.
         Mask escapes;
         /// Throughput of the light from behind the vertex.
@@ -170,6 +201,16 @@ private:
         /// Escapes, and counts as something that is seen.
         Mask visible;
     };
+
+    /// The throughput of a path for the one channel that a variate chooses.
+    static UnpolarizedSpectrum one_channel(const Float &u) {
+        const UnpolarizedSpectrum chance = 1.f / (ScalarFloat) Channels;
+        const UInt32 channel = choose_channel(chance, u);
+        UnpolarizedSpectrum one = 0.f;
+        for (size_t i = 0; i < Channels; ++i)
+            one[i] = dr::select(channel == (uint32_t) i, (ScalarFloat) Channels, 0.f);
+        return one;
+    }
 
     Survey look_at(const Scene *scene, const Medium *medium) const {
         Survey found = survey<Float, Spectrum>(scene, medium);
@@ -206,7 +247,7 @@ private:
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.scatters = v.passes = v.escapes = v.visible = false;
+        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -216,46 +257,57 @@ private:
 
         const UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
         const Float reach = path.ray.maxt;
-        Float t = dr::Infinity<Float>, u_event = 0.f;
+        Float t = dr::Infinity<Float>;
         UnpolarizedSpectrum chance = 0.f;
-        if (found.media())
-            u_event = path.sampler->next_1d(in_medium);
-        Vector4f u = 0.f;
-        for (size_t i = 0; i < found.variates(); ++i)
-            u[i] = path.sampler->next_1d(in_medium);
+        const FlightVariates u = variates(found, path, in_medium);
 
+        const bool ours = found.analytic && dr::any_or<true>(in_ours);
+        Flight flight = dr::zeros<Flight>();
+        if (ours && found.sky) {
+            flight =
+                analytic->sample_flight(m_rules, path.ray, limit(reach), throughput, u, in_ours);
+            dr::masked(t, in_ours) = flight.t;
+        }
         if (found.foreign && dr::any_or<true>(in_foreign)) {
             UInt32 channel = 0;
             if constexpr (is_rgb_v<Spectrum>) {
                 chance = channel_chances(throughput);
-                channel = choose_channel(chance, u_event);
+                channel = choose_channel(chance, u.event);
             } else {
                 chance[0] = 1.f; // stock media know the first wavelength only
             }
-            v.mi = path.medium->sample_interaction(path.ray, u[0], channel, in_foreign);
+            v.mi = path.medium->sample_interaction(path.ray, u.place[0], channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
-            // The ray needs to be traced only as far as the flight goes.
-            path.ray.maxt = dr::minimum(reach, t);
         }
+        // The ray needs to be traced only as far as the flight goes.
+        path.ray.maxt = dr::minimum(reach, t);
         v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_foreign && !v.si.is_valid() && t < reach;
+        Mask collided = in_medium && !v.si.is_valid() && t < reach;
         const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
 
-        v.escapes = in_ours && !v.si.is_valid();
         v.background = path.throughput;
-        if (dr::any_or<true>(in_ours) && found.analytic) {
+        if (ours && found.sky)
+            end_flight(found, flight, analytic, path.ray, end, throughput, in_ours && !collided);
+        else if (ours) {
+            v.escapes = in_ours && !v.si.is_valid();
             const Float gain =
                 dr::select(v.escapes, dr::select(path.depth == 0u, CameraGain, ScatteredGain), 1.f);
-            auto [length, weight, past] =
-                analytic->sample_flight(path.ray, end, gain, throughput, u_event, u, in_ours);
-            dr::masked(t, in_ours) = length;
-            dr::masked(path.throughput, in_ours) *= weight;
-            dr::masked(v.background, v.escapes) *= past;
-            collided |= in_ours && dr::isfinite(length);
-            v.scatters |= collided && in_ours;
+            flight =
+                analytic->sample_collision(m_rules, path.ray, end, gain, throughput, u, in_ours);
+            dr::masked(t, in_ours) = flight.t;
+            collided |= in_ours && dr::isfinite(flight.t);
             // A path that is bound to collide stands for those that do not, too.
-            const Float seen = dr::sum(channel_chances(throughput) * (1.f - past));
-            v.visible = v.escapes && u_event < seen;
+            const Float seen = dr::sum(channel_chances(throughput) * (1.f - flight.past));
+            v.visible = v.escapes && !path.behind && u.event < seen;
+            dr::masked(v.background, v.escapes) *= dr::select(path.behind, 0.f, flight.past);
+        }
+        if (ours) {
+            const Mask meets = in_ours && collided;
+            dr::masked(path.throughput, in_ours) *= flight.weight;
+            v.scatters |= meets && flight.scatters;
+            v.passes |= meets && flight.passes;
+            v.absorbed = meets && !flight.scatters && !flight.passes;
+            dr::masked(path.behind, in_ours) = v.escapes && meets && flight.passes;
         }
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
@@ -268,6 +320,29 @@ private:
         dr::masked(v.mi.wavelengths, collided) = path.ray.wavelengths;
         dr::masked(v.mi.medium, collided) = path.medium;
         return v;
+    }
+
+    /// Weighs flights that have been drawn for longer, and end at `end` without a collision.
+    void end_flight(const Survey &found, Flight &flight, const AnalyticPtr &medium,
+                    const Ray3f &ray, const Float &end, const UnpolarizedSpectrum &throughput,
+                    const Mask &active) const {
+        UnpolarizedSpectrum weight = 1.f;
+        if (found.chromatic || found.absorbers)
+            weight = medium->passing_weight(m_rules, ray, end, throughput, active);
+        dr::masked(flight.weight, active) = weight;
+    }
+
+    FlightVariates variates(const Survey &found, const Path &path, const Mask &active) const {
+        FlightVariates u{ 0.f, 0.f, 0.f };
+        if (!found.media())
+            return u;
+        if (found.chromatic || found.foreign || !found.sky)
+            u.event = path.sampler->next_1d(active);
+        if (found.analytic && m_rules.has_events())
+            u.kind = path.sampler->next_1d(active);
+        for (size_t i = 0; i < found.variates(); ++i)
+            u.place[i] = path.sampler->next_1d(active);
+        return u;
     }
 
     /// Delta tracking: weighs a step through a stock medium, and decides what a collision is.
@@ -383,7 +458,8 @@ private:
     /// One vertex: emission found, light sampled, next direction.
     void extend(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v = next_vertex(scene, found, path);
-        Mask in_medium = v.scatters, outside = path.active && !v.scatters && !v.passes;
+        Mask in_medium = v.scatters,
+             outside = path.active && !v.scatters && !v.passes && !v.absorbed;
 
         if (m_hide_emitters)
             skip_emitters(scene, path, v, outside);
@@ -576,6 +652,7 @@ private:
 
     /// Light samples per vertex, 0 for what the survey says.
     uint32_t m_emitter_samples;
+    FlightRules m_rules;
     Survey m_survey;
     /// The scene that `m_survey` is about, while it is being rendered.
     const Scene *m_surveyed = nullptr;

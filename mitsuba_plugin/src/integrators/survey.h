@@ -25,6 +25,10 @@ struct Survey {
     bool foreign = false;
     /// Some medium of ours has an extinction that varies with wavelength.
     bool chromatic = false;
+    /// Some component of a medium of ours does not scatter.
+    bool absorbers = false;
+    /// Rays that leave the scene see an environment.
+    bool sky = false;
     /// Some surface lets light through without scattering it, or bounds a medium.
     bool permeable = false;
     /// The most components that a medium of ours has.
@@ -49,17 +53,23 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
             found.analytic = true;
             found.components = std::max(found.components, ours->components());
             found.chromatic |= medium->has_spectral_extinction();
+            found.absorbers |= ours->absorbs();
         } else {
             found.foreign = true;
         }
     };
     found.emitter_samples = scene->emitters().size() > 1 ? 2 : 1;
+    found.sky = scene->environment() != nullptr;
     look_at(initial);
     for (const auto &sensor : scene->sensors())
         look_at(sensor->medium());
     for (const auto &shape : scene->shapes()) {
-        if (shape->is_instance()) // of a group, which does not tell what it holds
-            return { true, true, true, true, MaxVariates, found.emitter_samples };
+        if (shape->is_instance()) { // of a group, which does not tell what it holds
+            found.analytic = found.foreign = found.chromatic = found.absorbers = true;
+            found.permeable = true;
+            found.components = MaxVariates;
+            return found;
+        }
         look_at(shape->interior_medium());
         look_at(shape->exterior_medium());
         found.permeable |= shape->is_medium_transition() ||

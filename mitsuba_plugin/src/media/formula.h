@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include <mitsuba/core/properties.h>
 #include <mitsuba/core/spectrum.h>
 #include <mitsuba/render/interaction.h>
@@ -11,8 +14,35 @@
 #include "channels.h"
 #include "component.h"
 #include "extent.h"
+#include "spectral_sampling.h"
 
 namespace mitsuba {
+
+/// What became of a path on its way through a medium.
+template <typename Float, typename UnpolarizedSpectrum> struct Flight {
+    /// Distance of the collision, infinite if there is none.
+    Float t;
+    /// Contribution over probability.
+    UnpolarizedSpectrum weight;
+    /// Transmittance of all the way.
+    UnpolarizedSpectrum past;
+    /// Of a collision: it scatters, or it is a null collision; else it absorbs.
+    dr::mask_t<Float> scatters, passes;
+
+    DRJIT_STRUCT(Flight, t, weight, past, scatters, passes)
+};
+
+/// Variates of a flight, uniform in [0, 1).
+template <typename Float> struct FlightVariates {
+    /// Whether it collides, and in which channel.
+    Float event;
+    /// What a collision is.
+    Float kind;
+    /// Where: as many as there are components.
+    Vector<Float, 4> place;
+
+    DRJIT_STRUCT(FlightVariates, event, kind, place)
+};
 
 /// Medium is the only base and comes first: its pointers are ours, in Dr.Jit's registry too.
 template <typename Float, typename Spectrum> class FormulaMedium : public Medium<Float, Spectrum> {
@@ -20,6 +50,8 @@ public:
     MI_IMPORT_BASE(Medium, m_is_homogeneous, m_has_spectral_extinction)
     MI_IMPORT_TYPES()
     using Component = mitsuba::Component<Float, Spectrum>;
+    using Flight = mitsuba::Flight<Float, UnpolarizedSpectrum>;
+    using FlightVariates = mitsuba::FlightVariates<Float>;
 
     void parameters_changed(const std::vector<std::string> & /* keys */ = {}) override {
         for (ref<Component> &component : m_components)
@@ -66,64 +98,116 @@ public:
 
     /// Number of components.
     size_t components() const { return m_components.size(); }
+    /// Whether some of them do not scatter.
+    bool absorbs() const {
+        return std::any_of(m_components.begin(), m_components.end(),
+                           [](const auto &component) { return !component->scatters(); });
+    }
 
     /**
-     * A flight along `ray`: the distance of its collision, infinite if it passes; its weight; and
-     * the transmittance of all the way.
+     * A flight along `ray` by the `rules` of an integrator, drawn before it is known where the ray
+     * ends: it collides where that is farther.
      *
-     * Flights collide with `gain` times the probability of the model, but at most surely, and are
+     * The first collision of several components is the first of any, each of which collides
+     * independently. A component that does not scatter only weakens the flight. What there are more
+     * than variates are taken for one, whose optical depth is the sum of theirs.
+     *
+     * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
+     */
+    Flight sample_flight(const FlightRules &rules, const Ray3f &ray, const Float &reach,
+                         const UnpolarizedSpectrum &throughput, const FlightVariates &u,
+                         Mask active) const {
+        MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
+        const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, reach);
+        const Matter matter = scattering_matter(mi, active);
+        Drawn drawn{ sampling(rules) };
+        if (m_has_spectral_extinction && drawn.from == SpectralSampling::Mis)
+            drawn.channel = choose_channel(channel_chances(throughput), u.event);
+
+        Float t = dr::Infinity<Float>;
+        for (size_t i = 0; i < matter.parts(); ++i)
+            t = dr::minimum(t, distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i])));
+        const Mask collides = active && t < segment.length;
+
+        Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
+                       false };
+        if (dr::any_or<true>(collides))
+            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f), 1.f,
+                    throughput, u.kind, mi, collides);
+        return flight;
+    }
+
+    /**
+     * A flight along `ray` that is known to end at `reach`, which may be infinite.
+     *
+     * It collides with `gain` times the probability of the model, but at most surely, and is
      * weighted for it. That is of use where the light behind the medium is added without sampling.
      *
      * Think of the components as one behind the other: the optical depth at which the flight ends
      * lies in one of them, which it has met then. Those before it have been passed; those behind
-     * it may collide earlier, each independently. A component that does not scatter only weakens
-     * the flight. What there are more than variates are taken for one, whose optical depth is the
-     * sum of theirs.
+     * it may collide earlier, each independently.
      *
-     * \param reach  where the flight ends at the latest: may be infinite
-     * \param throughput  of the path so far: the channel to sample is chosen in proportion to
-     *    what it loses
-     * \param u_event  uniform variate in [0, 1)
-     * \param u  uniform variates in [0, 1), as many as there are components
+     * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
+     *    to what it loses
      */
-    std::tuple<Float, UnpolarizedSpectrum, UnpolarizedSpectrum>
-    sample_flight(const Ray3f &ray, const Float &reach, const Float &gain,
-                  const UnpolarizedSpectrum &throughput, const Float &u_event, const Vector4f &u,
-                  Mask active) const {
+    Flight sample_collision(const FlightRules &rules, const Ray3f &ray, const Float &reach,
+                            const Float &gain, const UnpolarizedSpectrum &throughput,
+                            const FlightVariates &u, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, reach);
-        const std::vector<Part> parts = sampled_parts(segment, mi, active);
-        UnpolarizedSpectrum depth = 0.f;
-        for (const Part &part : parts)
-            depth += part.depth;
-        const UnpolarizedSpectrum past =
-            dr::exp(-(depth + absorbed(segment, segment.length, mi, active)));
+        Matter matter = scattering_matter(mi, active);
+        matter.find_columns(segment);
+        const UnpolarizedSpectrum depth = matter.depth(),
+                                  through = unabsorbed(segment, segment.length, mi, active);
 
-        // Whether it collides, and in which channel.
-        const UnpolarizedSpectrum start = channel_chances(throughput), lost = opacity(depth),
-                                  loss = start * lost;
-        const Float natural = dr::sum(loss), chance = dr::minimum(gain * natural, 1.f),
-                    safe = dr::maximum(chance, Tiny);
-        Mask collides = active && u_event < chance;
-        UInt32 channel = 0;
-        if (m_has_spectral_extinction)
-            channel = choose_channel(channel_chances(loss), u_event / safe);
+        // Whether it collides, and what the distance is drawn from.
+        const UnpolarizedSpectrum start = channel_chances(throughput);
+        Drawn drawn{ sampling(rules) };
+        Float natural, lost;
+        if (drawn.from == SpectralSampling::Mis) {
+            const UnpolarizedSpectrum losses = opacity(depth), loss = start * losses;
+            natural = dr::sum(loss);
+            if (m_has_spectral_extinction)
+                drawn.channel =
+                    choose_channel(channel_chances(loss),
+                                   u.event / dr::maximum(dr::minimum(gain * natural, 1.f), Tiny));
+            lost = of_channel(losses, drawn.channel);
+        } else {
+            Float sum = 0.f;
+            for (size_t i = 0; i < matter.parts(); ++i)
+                sum += matter.depth(i, drawn);
+            lost = natural = opacity(sum);
+        }
+        const Float chance = dr::minimum(gain * natural, 1.f);
+        Mask collides = active && u.event < chance;
 
         Float t = dr::Infinity<Float>;
         if (dr::any_or<true>(collides))
-            t = first_collision(parts, segment, channel, of_channel(lost, channel), u, collides);
+            t = first_collision(matter, segment, drawn, lost, u.place, collides);
         t = dr::select(collides, t, dr::Infinity<Float>);
         collides &= dr::isfinite(t);
 
-        UnpolarizedSpectrum weight = passing_weight(segment, start, depth, mi, active);
+        Flight flight{ segment.near + t, through * passing_weight(drawn, start, depth),
+                       through * dr::exp(-depth), false, false };
         if (dr::any_or<true>(collides))
-            weight = dr::select(
-                collides,
-                collision_weight(ray, segment, dr::select(collides, t, 0.f), start, mi, active) *
-                    (natural / safe),
-                weight);
-        return { segment.near + t, weight, past };
+            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f),
+                    natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
+        return flight;
+    }
+
+    /// The weight of a flight that `sample_flight` has drawn for longer, and that passes up to the
+    /// distance `reach`, which may be infinite.
+    UnpolarizedSpectrum passing_weight(const FlightRules &rules, const Ray3f &ray,
+                                       const Float &reach, const UnpolarizedSpectrum &throughput,
+                                       Mask active) const {
+        MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
+        const MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, reach);
+        return unabsorbed(segment, segment.length, mi, active) *
+               passing_weight(Drawn{ sampling(rules) }, channel_chances(throughput),
+                              depth_of(true, segment, segment.length, mi, active));
     }
 
     /// Transmittance over the distance `t`, which may be infinite.
@@ -131,8 +215,8 @@ public:
         MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, t);
-        return dr::exp(-(depth_of(true, segment, segment.length, mi, active) +
-                         absorbed(segment, segment.length, mi, active)));
+        return unabsorbed(segment, segment.length, mi, active) *
+               dr::exp(-depth_of(true, segment, segment.length, mi, active));
     }
 
     MI_DECLARE_CLASS(FormulaMedium)
@@ -150,6 +234,9 @@ protected:
 
     /// To be called by constructors once there are components; `chromatic`: some of them are.
     void complete(const Properties &props, bool chromatic) {
+        if (m_components.size() > MaxComponents)
+            Throw("a medium must have at most %u components, got %u", MaxComponents,
+                  m_components.size());
         m_has_spectral_extinction = props.get<bool>("has_spectral_extinction", chromatic) &&
                                     dr::size_v<UnpolarizedSpectrum> > 1;
         update();
@@ -172,6 +259,10 @@ protected:
     Float m_max_density;
 
 private:
+    using Drawn = mitsuba::Drawn<UnpolarizedSpectrum>;
+
+    /// The most components of a medium: flights keep them in arrays.
+    static constexpr size_t MaxComponents = 16;
     /// Stands for probabilities of 0 in denominators.
     static constexpr ScalarFloat Tiny = 1e-30f;
 
@@ -198,38 +289,64 @@ private:
                  dr::select(hit, dr::maximum(dr::minimum(reach, far) - near, 0.f), 0.f) };
     }
 
-    /// Components whose flights are sampled together: one, or those beyond the variates.
-    struct Part {
-        std::vector<const Component *> components;
-        std::vector<UnpolarizedSpectrum> sigma_t;
-        /// Optical depth of the segment.
-        UnpolarizedSpectrum depth = 0.f;
+    /// A path for one channel has a throughput in that one only, which is all that MIS needs; and
+    /// channels that are alike need nothing else.
+    SpectralSampling sampling(const FlightRules &rules) const {
+        const bool single = rules.sampling == SpectralSampling::Single;
+        return single || !m_has_spectral_extinction ? SpectralSampling::Mis : rules.sampling;
+    }
+
+    /// Nothing of an infinite column is nothing.
+    template <typename Value> static Value times(const Value &sigma_t, const Float &column) {
+        return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
+    }
+
+    /// The components that scatter. Those that have no variate of their own are the last part.
+    struct Matter {
+        size_t count = 0;
+        std::array<const Component *, MaxComponents> component;
+        std::array<UnpolarizedSpectrum, MaxComponents> sigma_t;
+        std::array<Float, MaxComponents> column;
+
+        size_t parts() const { return std::min(count, dr::size_v<Vector4f>); }
+        /// One more than the last component of a part.
+        size_t end(size_t part) const { return part + 1 < parts() ? part + 1 : count; }
+
+        void find_columns(const Segment &segment) {
+            for (size_t i = 0; i < count; ++i)
+                column[i] = component[i]->profile().column(segment.o, segment.d, segment.length);
+        }
+        UnpolarizedSpectrum depth() const {
+            UnpolarizedSpectrum sum = 0.f;
+            for (size_t i = 0; i < count; ++i)
+                sum += times(sigma_t[i], column[i]);
+            return sum;
+        }
+        /// The optical depth of a part, of what flights are drawn from.
+        Float depth(size_t part, const Drawn &drawn) const {
+            Float sum = 0.f;
+            for (size_t i = part; i < end(part); ++i)
+                sum += times(drawn(sigma_t[i]), column[i]);
+            return sum;
+        }
     };
 
-    std::vector<Part> sampled_parts(const Segment &segment, const MediumInteraction3f &mi,
-                                    Mask active) const {
-        std::vector<Part> parts;
+    Matter scattering_matter(const MediumInteraction3f &mi, Mask active) const {
+        Matter matter;
         for (const ref<Component> &component : m_components) {
             if (!component->scatters())
                 continue;
-            if (parts.size() < dr::size_v<Vector4f>)
-                parts.emplace_back();
-            Part &part = parts.back();
-            const UnpolarizedSpectrum sigma_t = component->sigma_t(mi, active);
-            part.components.push_back(component.get());
-            part.sigma_t.push_back(sigma_t);
-            part.depth += optical_depth(sigma_t, *component, segment, segment.length);
+            matter.component[matter.count] = component.get();
+            matter.sigma_t[matter.count++] = component->sigma_t(mi, active);
         }
-        return parts;
+        return matter;
     }
 
     /// Of one component over the distance `t`.
     static UnpolarizedSpectrum optical_depth(const UnpolarizedSpectrum &sigma_t,
                                              const Component &component, const Segment &segment,
                                              const Float &t) {
-        const Float column = component.profile().column(segment.o, segment.d, t);
-        // Nothing of an infinite column is nothing.
-        return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
+        return times(sigma_t, component.profile().column(segment.o, segment.d, t));
     }
 
     /// Optical depth of what scatters, or of what does not.
@@ -242,91 +359,126 @@ private:
         return depth;
     }
 
-    UnpolarizedSpectrum absorbed(const Segment &segment, const Float &t,
-                                 const MediumInteraction3f &mi, Mask active) const {
-        return depth_of(false, segment, t, mi, active);
+    /// What gets past the components that do not scatter, over the distance `t`.
+    UnpolarizedSpectrum unabsorbed(const Segment &segment, const Float &t,
+                                   const MediumInteraction3f &mi, Mask active) const {
+        if (!absorbs())
+            return 1.f;
+        return dr::exp(-depth_of(false, segment, t, mi, active));
     }
 
     /// 1 - exp(-depth), as precise for thin media.
-    static UnpolarizedSpectrum opacity(const UnpolarizedSpectrum &depth) {
-        const UnpolarizedSpectrum half = dr::tanh(dr::minimum(.5f * depth, 44.f));
+    template <typename Value> static Value opacity(const Value &depth) {
+        const Value half = dr::tanh(dr::minimum(.5f * depth, 44.f));
         return 2.f * half / (1.f + half);
     }
 
-    /// Optical depths relative to the thinnest channel that counts: nothing that matters
-    /// underflows.
-    static UnpolarizedSpectrum relative(const UnpolarizedSpectrum &chance,
-                                        const UnpolarizedSpectrum &depth) {
-        const Float least = thinnest(chance, depth);
-        return dr::select(depth > least, depth - least, 0.f);
-    }
-
     /// Distance of the collision of a flight that has one, of the probability `lost`.
-    Float first_collision(const std::vector<Part> &parts, const Segment &segment,
-                          const UInt32 &channel, const Float &lost, const Vector4f &u,
-                          const Mask &active) const {
+    Float first_collision(const Matter &matter, const Segment &segment, const Drawn &drawn,
+                          const Float &lost, const Vector4f &u, const Mask &active) const {
         Float t = dr::Infinity<Float>, rest = -dr::log(1.f - u[0] * lost);
         Mask met = false;
-        for (size_t i = 0; i < parts.size(); ++i) {
-            const Float depth = of_channel(parts[i].depth, channel);
+        for (size_t i = 0; i < matter.parts(); ++i) {
+            const Float depth = matter.depth(i, drawn);
             const Mask meets = !met && rest < depth;
             // As if there were no other.
             const Float own = i > 0 ? dr::select(met, -dr::log(1.f - u[i]), rest) : rest;
             const Mask collides = active && own < depth && (met || meets);
-            if (dr::any_or<true>(collides))
-                t = dr::minimum(t, dr::select(collides, distance(parts[i], segment, channel, own),
-                                              dr::Infinity<Float>));
+            if (dr::any_or<true>(collides)) {
+                const Float place =
+                    dr::minimum(distance(matter, i, segment, drawn, own), segment.length);
+                t = dr::minimum(t, dr::select(collides, place, dr::Infinity<Float>));
+            }
             met |= meets;
             rest = dr::maximum(rest - depth, 0.f);
         }
         return t;
     }
 
-    /// Where a part has gathered the optical depth `tau`, which it does in the segment.
-    Float distance(const Part &part, const Segment &segment, const UInt32 &channel,
+    /// Where a part has gathered the optical depth `tau`; infinite, or beyond the segment, if it
+    /// does not.
+    Float distance(const Matter &matter, size_t part, const Segment &segment, const Drawn &drawn,
                    const Float &tau) const {
-        if (part.components.size() == 1) {
-            const Float sigma_t = of_channel(part.sigma_t[0], channel);
-            const Float t = part.components[0]->profile().inv_column(
+        if (matter.end(part) == part + 1) {
+            const Float sigma_t = drawn(matter.sigma_t[part]);
+            const Float t = matter.component[part]->profile().inv_column(
                 segment.o, segment.d, tau / dr::select(sigma_t > 0.f, sigma_t, 1.f));
-            return dr::minimum(t, segment.length);
+            return dr::select(sigma_t > 0.f, t, dr::Infinity<Float>);
         }
         std::vector<const Profile<Float, Spectrum> *> profiles;
         std::vector<Float> sigma_t;
-        for (size_t i = 0; i < part.components.size(); ++i) {
-            profiles.push_back(&part.components[i]->profile());
-            sigma_t.push_back(of_channel(part.sigma_t[i], channel));
+        for (size_t i = part; i < matter.end(part); ++i) {
+            profiles.push_back(&matter.component[i]->profile());
+            sigma_t.push_back(drawn(matter.sigma_t[i]));
         }
-        const Float t = Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o,
-                                                              segment.d, segment.length, tau);
-        return dr::minimum(t, segment.length);
+        return Profile<Float, Spectrum>::free_flight(profiles, sigma_t, segment.o, segment.d,
+                                                     segment.length, tau);
     }
 
-    /// Contribution over probability of a flight without collision, by the balance heuristic over
-    /// the channels that might have been sampled.
-    UnpolarizedSpectrum passing_weight(const Segment &segment, const UnpolarizedSpectrum &start,
-                                       const UnpolarizedSpectrum &depth,
-                                       const MediumInteraction3f &mi, Mask active) const {
-        const UnpolarizedSpectrum through = dr::exp(-absorbed(segment, segment.length, mi, active));
-        if (!m_has_spectral_extinction)
-            return through;
-        const UnpolarizedSpectrum densities = dr::exp(-relative(start, depth));
-        return balance(through * densities, start, densities);
+    /// Contribution over probability of a flight that collides with nothing of the optical depth
+    /// `depth`.
+    UnpolarizedSpectrum passing_weight(const Drawn &drawn, const UnpolarizedSpectrum &start,
+                                       const UnpolarizedSpectrum &depth) const {
+        if (!m_has_spectral_extinction || drawn.from == SpectralSampling::Tracking)
+            return 1.f;
+        return over_probability(drawn, start, depth, 1.f);
     }
 
-    /// The same of a collision at the distance `t`.
-    UnpolarizedSpectrum collision_weight(const Ray3f &ray, const Segment &segment, const Float &t,
-                                         const UnpolarizedSpectrum &start, MediumInteraction3f mi,
-                                         Mask active) const {
+    /// exp(-depth) `extinction` in every channel, over the probability density of the way: by the
+    /// balance heuristic over the channels that might have been chosen, or of the mean.
+    ///
+    /// In logarithms up to a common factor, so that nothing that matters underflows.
+    static UnpolarizedSpectrum over_probability(const Drawn &drawn,
+                                                const UnpolarizedSpectrum &start,
+                                                const UnpolarizedSpectrum &depth,
+                                                const UnpolarizedSpectrum &extinction) {
+        if (drawn.from == SpectralSampling::Average) {
+            const Float mean = dr::mean(depth), density = dr::mean(extinction);
+            const UnpolarizedSpectrum excess = dr::select(depth == mean, 0.f, depth - mean);
+            return dr::select(density > 0.f, dr::exp(-excess) * extinction / density, 0.f);
+        }
+        const Float least = thinnest(start, depth);
+        const UnpolarizedSpectrum densities =
+            dr::exp(-dr::select(depth > least, depth - least, 0.f)) * extinction;
+        return balance(densities, start, densities);
+    }
+
+    /// Decides what a flight collides with at the distance `t`; `scarcity` is the probability of
+    /// the model that it collides at all over that of the flight.
+    void collide(Flight &flight, const FlightRules &rules, const Ray3f &ray, const Segment &segment,
+                 const Drawn &drawn, const Float &t, const Float &scarcity,
+                 const UnpolarizedSpectrum &throughput, const Float &u, MediumInteraction3f mi,
+                 const Mask &active) const {
         mi.t = segment.near + t;
         mi.p = ray(mi.t);
-        auto [extinction, albedo] = collision(mi, active);
-        const UnpolarizedSpectrum weight = albedo * dr::exp(-absorbed(segment, t, mi, active));
-        if (!m_has_spectral_extinction)
-            return weight;
-        const UnpolarizedSpectrum depth = depth_of(true, segment, t, mi, active),
-                                  densities = dr::exp(-relative(start, depth)) * extinction;
-        return balance(weight * densities, start, densities);
+        const Coefficients at = coefficients(mi, active);
+        UnpolarizedSpectrum weight = unabsorbed(segment, t, mi, active) * scarcity;
+        Mask scatters = active, passes = false;
+        if (drawn.from == SpectralSampling::Tracking) {
+            const EventChances<Float> chances =
+                event_chances(rules, throughput, at.scattering(), at.absorption(), at.padding());
+            scatters &= u < chances.scattering;
+            passes = active && !scatters && u < chances.scattering + chances.null;
+            const Float chance = dr::select(scatters, chances.scattering, chances.null);
+            const Float density = at.bound * chance;
+            weight *= dr::select(
+                density > 0.f, dr::select(scatters, at.scattering(), at.padding()) / density, 0.f);
+        } else {
+            UnpolarizedSpectrum real = at.albedo;
+            const UnpolarizedSpectrum start = channel_chances(throughput);
+            if (m_has_spectral_extinction)
+                real *= over_probability(drawn, start, depth_of(true, segment, t, mi, active),
+                                         at.extinction);
+            if (rules.analogue) {
+                const Float survival = dr::clip(dr::sum(start * real), 0.f, 1.f);
+                scatters &= u < survival;
+                real /= dr::maximum(survival, Tiny);
+            }
+            weight *= real;
+        }
+        dr::masked(flight.weight, active) = weight;
+        flight.scatters = scatters;
+        flight.passes = passes;
     }
 
     /// What coefficients are evaluated at.
@@ -338,25 +490,39 @@ private:
         return mi;
     }
 
-    /// Extinction by what scatters, but for a factor that channels share, and the part of it that
-    /// is scattering.
-    std::pair<UnpolarizedSpectrum, UnpolarizedSpectrum> collision(const MediumInteraction3f &mi,
-                                                                  Mask active) const {
+    /// What scatters at a place: coefficients but for a factor that all have in common.
+    struct Coefficients {
+        UnpolarizedSpectrum extinction = 0.f, albedo = 0.f;
+        /// Majorant of the extinction over the channels.
+        Float bound = 0.f;
+
+        UnpolarizedSpectrum scattering() const { return extinction * albedo; }
+        UnpolarizedSpectrum absorption() const { return extinction * (1.f - albedo); }
+        /// The coefficient of null collisions (article, Eq. 68).
+        UnpolarizedSpectrum padding() const { return dr::maximum(bound - extinction, 0.f); }
+    };
+
+    Coefficients coefficients(const MediumInteraction3f &mi, Mask active) const {
+        Coefficients at;
         if (m_components.size() == 1) {
-            UnpolarizedSpectrum extinction = 1.f;
-            if (m_has_spectral_extinction)
-                extinction = m_components[0]->sigma_t(mi, active);
-            return { extinction, m_components[0]->albedo(mi, active) };
+            // Its density is the common factor, its albedo that of the at.
+            at.extinction = m_components[0]->sigma_t(mi, active);
+            at.albedo = m_components[0]->albedo(mi, active);
+            at.bound = dr::max(at.extinction);
+            return at;
         }
-        UnpolarizedSpectrum extinction = 0.f, scattering = 0.f;
+        UnpolarizedSpectrum scattering = 0.f;
         for (const ref<Component> &component : m_components) {
             if (!component->scatters())
                 continue;
-            UnpolarizedSpectrum part = component->sigma_t(mi, active) * component->density(mi.p);
-            extinction += part;
+            const UnpolarizedSpectrum part =
+                component->sigma_t(mi, active) * component->density(mi.p);
+            at.extinction += part;
             scattering += part * component->albedo(mi, active);
+            at.bound += dr::max(part);
         }
-        return { extinction, dr::select(extinction > 0.f, scattering / extinction, 0.f) };
+        at.albedo = dr::select(at.extinction > 0.f, scattering / at.extinction, 0.f);
+        return at;
     }
 
     MI_TRAVERSE_CB(Base, m_components, m_extent, m_max_density)
@@ -367,5 +533,7 @@ private:
 DRJIT_CALL_TEMPLATE_INHERITED_BEGIN(mitsuba::FormulaMedium, mitsuba::Medium)
 DRJIT_CALL_GETTER(is_analytic)
 DRJIT_CALL_METHOD(sample_flight)
+DRJIT_CALL_METHOD(sample_collision)
+DRJIT_CALL_METHOD(passing_weight)
 DRJIT_CALL_METHOD(transmittance)
 DRJIT_CALL_END()
