@@ -87,38 +87,6 @@ typedef uint32_t am_absorption;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A parameter of a profile.
-typedef struct am_parameter {
-  // Name, as in a scene; ends with a zero.
-  char name[AM_NAME_SIZE];
-  // Number of values: 1, or 3 for a vector.
-  uint32_t size;
-  // Index of its first value in `am_profile.values`.
-  uint32_t offset;
-  // 1 if there is no default.
-  uint32_t required;
-  // Default values; 0 where there are none.
-  double defaults[3];
-} am_parameter;
-
-// A profile: its kind, and the values of its parameters one after the other, in the order
-// that `am_profile_parameter` gives. Values beyond those are ignored.
-typedef struct am_profile {
-  // Kind of profile, from `am_profile_kind`.
-  uint32_t kind;
-  // Values of the parameters.
-  double values[AM_PROFILE_VALUES];
-} am_profile;
-
-// The sphere that altitudes are counted from. In single precision altitudes are best known
-// where the origin of coordinates is on the surface and the centre on an axis.
-typedef struct am_planet {
-  // Centre, a point.
-  double center[3];
-  // Radius, length > 0.
-  double radius;
-} am_planet;
-
 // Numbers or points in the memory of the caller: item `i` starts at
 // `data[i * stride]`, and the three components of a point follow each other.
 typedef struct am_array_f64 {
@@ -193,6 +161,38 @@ typedef struct am_host_table {
   am_node (*select)(void *tape, am_node p, am_node a, am_node b);
 } am_host_table;
 
+// A parameter of a profile.
+typedef struct am_parameter {
+  // Name, as in a scene; ends with a zero.
+  char name[AM_NAME_SIZE];
+  // Number of values: 1, or 3 for a vector.
+  uint32_t size;
+  // Index of its first value in `am_profile.values`.
+  uint32_t offset;
+  // 1 if there is no default.
+  uint32_t required;
+  // Default values; 0 where there are none.
+  double defaults[3];
+} am_parameter;
+
+// A profile: its kind, and the values of its parameters one after the other, in the order
+// that `am_profile_parameter` gives. Values beyond those are ignored.
+typedef struct am_profile {
+  // Kind of profile, from `am_profile_kind`.
+  uint32_t kind;
+  // Values of the parameters.
+  double values[AM_PROFILE_VALUES];
+} am_profile;
+
+// The sphere that altitudes are counted from. In single precision altitudes are best known
+// where the origin of coordinates is on the surface and the centre on an axis.
+typedef struct am_planet {
+  // Centre, a point.
+  double center[3];
+  // Radius, length > 0.
+  double radius;
+} am_planet;
+
 // A planet whose centre and radius are slots of a host's tape.
 typedef struct am_planet_nodes {
   // Slots of the centre.
@@ -240,6 +240,12 @@ typedef struct am_medium_nodes {
 extern "C" {
 #endif // __cplusplus
 
+// What red, green and blue stand for, nm: Bruneton and Neyret (2008). Light without colour is green.
+extern const double AM_RGB_WAVELENGTHS[3];
+
+// Number of molecules of air at 288.15 K and 1013.25 hPa, 1/m³: Bodhaine et al. (1999).
+extern const double AM_STANDARD_NUMBER_DENSITY;
+
 // Version of the ABI that the library was built with; compare it with `AM_ABI_VERSION`.
 uint32_t am_abi_version(void);
 
@@ -250,6 +256,1234 @@ const char *am_version(void);
 //
 // Never null; empty if no call has failed. Valid until the next call of this thread fails.
 const char *am_last_error(void);
+
+// Extinction coefficient `sigma_a` + `sigma_s`, all in 1/length. Source: article, Eq. 1.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_parts_f64(double sigma_a, double sigma_s, double *value);
+
+// `am_sigma_t_from_parts_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_parts_f32(float sigma_a, float sigma_s, float *value);
+
+// `am_sigma_t_from_parts_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_parts_batch_f64(size_t n,
+                                          struct am_array_f64 sigma_a,
+                                          struct am_array_f64 sigma_s,
+                                          double *value);
+
+// `am_sigma_t_from_parts_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_parts_batch_f32(size_t n,
+                                          struct am_array_f32 sigma_a,
+                                          struct am_array_f32 sigma_s,
+                                          float *value);
+
+// `am_sigma_t_from_parts_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_parts_record(const struct am_host_table *host,
+                                       am_node sigma_a,
+                                       am_node sigma_s,
+                                       am_node *value);
+
+// Single-scattering albedo `sigma_s` / (`sigma_a` + `sigma_s`), coefficients in 1/length; 0 where both
+// are. Source: article, Eq. 2.
+//
+// # Safety
+// `value` points to one number.
+am_status am_albedo_from_parts_f64(double sigma_a,
+                                   double sigma_s,
+                                   double *value);
+
+// `am_albedo_from_parts_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_albedo_from_parts_f32(float sigma_a, float sigma_s, float *value);
+
+// `am_albedo_from_parts_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_albedo_from_parts_batch_f64(size_t n,
+                                         struct am_array_f64 sigma_a,
+                                         struct am_array_f64 sigma_s,
+                                         double *value);
+
+// `am_albedo_from_parts_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_albedo_from_parts_batch_f32(size_t n,
+                                         struct am_array_f32 sigma_a,
+                                         struct am_array_f32 sigma_s,
+                                         float *value);
+
+// `am_albedo_from_parts_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_albedo_from_parts_record(const struct am_host_table *host,
+                                      am_node sigma_a,
+                                      am_node sigma_s,
+                                      am_node *value);
+
+// Absorption coefficient (1 − `albedo`) `sigma_t`, 1/length. Source: article, Eq. 1 and 2.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_a_from_albedo_f64(double sigma_t, double albedo, double *value);
+
+// `am_sigma_a_from_albedo_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_a_from_albedo_f32(float sigma_t, float albedo, float *value);
+
+// `am_sigma_a_from_albedo_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_a_from_albedo_batch_f64(size_t n,
+                                           struct am_array_f64 sigma_t,
+                                           struct am_array_f64 albedo,
+                                           double *value);
+
+// `am_sigma_a_from_albedo_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_a_from_albedo_batch_f32(size_t n,
+                                           struct am_array_f32 sigma_t,
+                                           struct am_array_f32 albedo,
+                                           float *value);
+
+// `am_sigma_a_from_albedo_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_a_from_albedo_record(const struct am_host_table *host,
+                                        am_node sigma_t,
+                                        am_node albedo,
+                                        am_node *value);
+
+// Scattering coefficient `albedo` · `sigma_t`, 1/length. Source: article, Eq. 2.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_s_from_albedo_f64(double sigma_t, double albedo, double *value);
+
+// `am_sigma_s_from_albedo_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_s_from_albedo_f32(float sigma_t, float albedo, float *value);
+
+// `am_sigma_s_from_albedo_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_s_from_albedo_batch_f64(size_t n,
+                                           struct am_array_f64 sigma_t,
+                                           struct am_array_f64 albedo,
+                                           double *value);
+
+// `am_sigma_s_from_albedo_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_s_from_albedo_batch_f32(size_t n,
+                                           struct am_array_f32 sigma_t,
+                                           struct am_array_f32 albedo,
+                                           float *value);
+
+// `am_sigma_s_from_albedo_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_s_from_albedo_record(const struct am_host_table *host,
+                                        am_node sigma_t,
+                                        am_node albedo,
+                                        am_node *value);
+
+// Extinction coefficient, 1/length, of a mean free path, a length. Source: article, Eq. 3.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_mean_free_path_f64(double mean_free_path, double *value);
+
+// `am_sigma_t_from_mean_free_path_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_mean_free_path_f32(float mean_free_path, float *value);
+
+// `am_sigma_t_from_mean_free_path_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_mean_free_path_batch_f64(size_t n,
+                                                   struct am_array_f64 mean_free_path,
+                                                   double *value);
+
+// `am_sigma_t_from_mean_free_path_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_mean_free_path_batch_f32(size_t n,
+                                                   struct am_array_f32 mean_free_path,
+                                                   float *value);
+
+// `am_sigma_t_from_mean_free_path_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_mean_free_path_record(const struct am_host_table *host,
+                                                am_node mean_free_path,
+                                                am_node *value);
+
+// Mean free path, a length, of an extinction coefficient, 1/length; ∞ where that is 0.
+// Source: article, Eq. 3.
+//
+// # Safety
+// `value` points to one number.
+am_status am_mean_free_path_f64(double sigma_t, double *value);
+
+// `am_mean_free_path_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_mean_free_path_f32(float sigma_t, float *value);
+
+// `am_mean_free_path_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_mean_free_path_batch_f64(size_t n,
+                                      struct am_array_f64 sigma_t,
+                                      double *value);
+
+// `am_mean_free_path_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_mean_free_path_batch_f32(size_t n,
+                                      struct am_array_f32 sigma_t,
+                                      float *value);
+
+// `am_mean_free_path_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_mean_free_path_record(const struct am_host_table *host,
+                                   am_node sigma_t,
+                                   am_node *value);
+
+// Extinction coefficient −ln(`transmittance`) / `at_distance`, 1/length. Source: article, Eq. 21.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_transmittance_f64(double transmittance,
+                                            double at_distance,
+                                            double *value);
+
+// `am_sigma_t_from_transmittance_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_transmittance_f32(float transmittance, float at_distance, float *value);
+
+// `am_sigma_t_from_transmittance_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_transmittance_batch_f64(size_t n,
+                                                  struct am_array_f64 transmittance,
+                                                  struct am_array_f64 at_distance,
+                                                  double *value);
+
+// `am_sigma_t_from_transmittance_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_transmittance_batch_f32(size_t n,
+                                                  struct am_array_f32 transmittance,
+                                                  struct am_array_f32 at_distance,
+                                                  float *value);
+
+// `am_sigma_t_from_transmittance_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_transmittance_record(const struct am_host_table *host,
+                                               am_node transmittance,
+                                               am_node at_distance,
+                                               am_node *value);
+
+// Transmittance exp(−`sigma_t` · `at_distance`). Source: article, Eq. 21.
+//
+// # Safety
+// `value` points to one number.
+am_status am_transmittance_f64(double sigma_t, double at_distance, double *value);
+
+// `am_transmittance_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_transmittance_f32(float sigma_t, float at_distance, float *value);
+
+// `am_transmittance_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_transmittance_batch_f64(size_t n,
+                                     struct am_array_f64 sigma_t,
+                                     struct am_array_f64 at_distance,
+                                     double *value);
+
+// `am_transmittance_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_transmittance_batch_f32(size_t n,
+                                     struct am_array_f32 sigma_t,
+                                     struct am_array_f32 at_distance,
+                                     float *value);
+
+// `am_transmittance_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_transmittance_record(const struct am_host_table *host,
+                                  am_node sigma_t,
+                                  am_node at_distance,
+                                  am_node *value);
+
+// Extinction coefficient −ln(1 − `opacity`) / `at_distance`, 1/length; as precise for small
+// opacities. Source: article, Eq. 21.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_opacity_f64(double opacity, double at_distance, double *value);
+
+// `am_sigma_t_from_opacity_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_opacity_f32(float opacity, float at_distance, float *value);
+
+// `am_sigma_t_from_opacity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_opacity_batch_f64(size_t n,
+                                            struct am_array_f64 opacity,
+                                            struct am_array_f64 at_distance,
+                                            double *value);
+
+// `am_sigma_t_from_opacity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_opacity_batch_f32(size_t n,
+                                            struct am_array_f32 opacity,
+                                            struct am_array_f32 at_distance,
+                                            float *value);
+
+// `am_sigma_t_from_opacity_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_opacity_record(const struct am_host_table *host,
+                                         am_node opacity,
+                                         am_node at_distance,
+                                         am_node *value);
+
+// Opacity 1 − exp(−`sigma_t` · `at_distance`), as precise for small opacities.
+// Source: article, Eq. 21.
+//
+// # Safety
+// `value` points to one number.
+am_status am_opacity_f64(double sigma_t, double at_distance, double *value);
+
+// `am_opacity_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_opacity_f32(float sigma_t, float at_distance, float *value);
+
+// `am_opacity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_opacity_batch_f64(size_t n,
+                               struct am_array_f64 sigma_t,
+                               struct am_array_f64 at_distance,
+                               double *value);
+
+// `am_opacity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_opacity_batch_f32(size_t n,
+                               struct am_array_f32 sigma_t,
+                               struct am_array_f32 at_distance,
+                               float *value);
+
+// `am_opacity_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_opacity_record(const struct am_host_table *host,
+                            am_node sigma_t,
+                            am_node at_distance,
+                            am_node *value);
+
+// Extinction coefficient −ln(`contrast`) / `visibility`, 1/length. Source: Koschmieder (1924).
+//
+// `visibility` is the distance, a length, at which a black object against the horizon keeps
+// `contrast`: 0.05 for the meteorological optical range (WMO-No. 8), 0.02 in Koschmieder's work.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_visibility_f64(double visibility, double contrast, double *value);
+
+// `am_sigma_t_from_visibility_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_visibility_f32(float visibility, float contrast, float *value);
+
+// `am_sigma_t_from_visibility_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_visibility_batch_f64(size_t n,
+                                               struct am_array_f64 visibility,
+                                               struct am_array_f64 contrast,
+                                               double *value);
+
+// `am_sigma_t_from_visibility_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_visibility_batch_f32(size_t n,
+                                               struct am_array_f32 visibility,
+                                               struct am_array_f32 contrast,
+                                               float *value);
+
+// `am_sigma_t_from_visibility_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_visibility_record(const struct am_host_table *host,
+                                            am_node visibility,
+                                            am_node contrast,
+                                            am_node *value);
+
+// Visibility −ln(`contrast`) / `sigma_t`, a length; ∞ where `sigma_t` is 0.
+// Source: Koschmieder (1924).
+//
+// # Safety
+// `value` points to one number.
+am_status am_visibility_f64(double sigma_t, double contrast, double *value);
+
+// `am_visibility_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_visibility_f32(float sigma_t, float contrast, float *value);
+
+// `am_visibility_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_visibility_batch_f64(size_t n,
+                                  struct am_array_f64 sigma_t,
+                                  struct am_array_f64 contrast,
+                                  double *value);
+
+// `am_visibility_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_visibility_batch_f32(size_t n,
+                                  struct am_array_f32 sigma_t,
+                                  struct am_array_f32 contrast,
+                                  float *value);
+
+// `am_visibility_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_visibility_record(const struct am_host_table *host,
+                               am_node sigma_t,
+                               am_node contrast,
+                               am_node *value);
+
+// Absorption coefficient 4π `extinction_index` / `wavelength`, 1/m. Source: article, Eq. 4.
+//
+// `extinction_index` is the imaginary part of the index of refraction, `wavelength` that in vacuum,
+// in nm.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_a_from_extinction_index_f64(double extinction_index,
+                                               double wavelength,
+                                               double *value);
+
+// `am_sigma_a_from_extinction_index_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_a_from_extinction_index_f32(float extinction_index,
+                                               float wavelength,
+                                               float *value);
+
+// `am_sigma_a_from_extinction_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_a_from_extinction_index_batch_f64(size_t n,
+                                                     struct am_array_f64 extinction_index,
+                                                     struct am_array_f64 wavelength,
+                                                     double *value);
+
+// `am_sigma_a_from_extinction_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_a_from_extinction_index_batch_f32(size_t n,
+                                                     struct am_array_f32 extinction_index,
+                                                     struct am_array_f32 wavelength,
+                                                     float *value);
+
+// `am_sigma_a_from_extinction_index_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_a_from_extinction_index_record(const struct am_host_table *host,
+                                                  am_node extinction_index,
+                                                  am_node wavelength,
+                                                  am_node *value);
+
+// Extinction index, the imaginary part of the index of refraction, of an absorption coefficient
+// in 1/m at a `wavelength` in nm. Source: article, Eq. 4.
+//
+// # Safety
+// `value` points to one number.
+am_status am_extinction_index_f64(double sigma_a, double wavelength, double *value);
+
+// `am_extinction_index_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_extinction_index_f32(float sigma_a, float wavelength, float *value);
+
+// `am_extinction_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_extinction_index_batch_f64(size_t n,
+                                        struct am_array_f64 sigma_a,
+                                        struct am_array_f64 wavelength,
+                                        double *value);
+
+// `am_extinction_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_extinction_index_batch_f32(size_t n,
+                                        struct am_array_f32 sigma_a,
+                                        struct am_array_f32 wavelength,
+                                        float *value);
+
+// `am_extinction_index_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_extinction_index_record(const struct am_host_table *host,
+                                     am_node sigma_a,
+                                     am_node wavelength,
+                                     am_node *value);
+
+// Extinction coefficient `mass_density` · `mass_attenuation`, 1/m, from kg/m³ and m²/kg.
+// Source: article, Eq. 5.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_mass_f64(double mass_density, double mass_attenuation, double *value);
+
+// `am_sigma_t_from_mass_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_mass_f32(float mass_density, float mass_attenuation, float *value);
+
+// `am_sigma_t_from_mass_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_mass_batch_f64(size_t n,
+                                         struct am_array_f64 mass_density,
+                                         struct am_array_f64 mass_attenuation,
+                                         double *value);
+
+// `am_sigma_t_from_mass_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_mass_batch_f32(size_t n,
+                                         struct am_array_f32 mass_density,
+                                         struct am_array_f32 mass_attenuation,
+                                         float *value);
+
+// `am_sigma_t_from_mass_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_mass_record(const struct am_host_table *host,
+                                      am_node mass_density,
+                                      am_node mass_attenuation,
+                                      am_node *value);
+
+// Mass density `sigma_t` / `mass_attenuation`, kg/m³, from 1/m and m²/kg. Source: article, Eq. 5.
+//
+// # Safety
+// `value` points to one number.
+am_status am_mass_density_f64(double sigma_t, double mass_attenuation, double *value);
+
+// `am_mass_density_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_mass_density_f32(float sigma_t, float mass_attenuation, float *value);
+
+// `am_mass_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_mass_density_batch_f64(size_t n,
+                                    struct am_array_f64 sigma_t,
+                                    struct am_array_f64 mass_attenuation,
+                                    double *value);
+
+// `am_mass_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_mass_density_batch_f32(size_t n,
+                                    struct am_array_f32 sigma_t,
+                                    struct am_array_f32 mass_attenuation,
+                                    float *value);
+
+// `am_mass_density_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_mass_density_record(const struct am_host_table *host,
+                                 am_node sigma_t,
+                                 am_node mass_attenuation,
+                                 am_node *value);
+
+// Extinction coefficient `number_density` · `cross_section`, 1/m, from 1/m³ and m².
+// Source: article, Eq. 5.
+//
+// # Safety
+// `value` points to one number.
+am_status am_sigma_t_from_number_f64(double number_density, double cross_section, double *value);
+
+// `am_sigma_t_from_number_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sigma_t_from_number_f32(float number_density, float cross_section, float *value);
+
+// `am_sigma_t_from_number_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_number_batch_f64(size_t n,
+                                           struct am_array_f64 number_density,
+                                           struct am_array_f64 cross_section,
+                                           double *value);
+
+// `am_sigma_t_from_number_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_sigma_t_from_number_batch_f32(size_t n,
+                                           struct am_array_f32 number_density,
+                                           struct am_array_f32 cross_section,
+                                           float *value);
+
+// `am_sigma_t_from_number_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sigma_t_from_number_record(const struct am_host_table *host,
+                                        am_node number_density,
+                                        am_node cross_section,
+                                        am_node *value);
+
+// Number density `sigma_t` / `cross_section`, 1/m³, from 1/m and m². Source: article, Eq. 5.
+//
+// # Safety
+// `value` points to one number.
+am_status am_number_density_f64(double sigma_t, double cross_section, double *value);
+
+// `am_number_density_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_number_density_f32(float sigma_t, float cross_section, float *value);
+
+// `am_number_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_number_density_batch_f64(size_t n,
+                                      struct am_array_f64 sigma_t,
+                                      struct am_array_f64 cross_section,
+                                      double *value);
+
+// `am_number_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_number_density_batch_f32(size_t n,
+                                      struct am_array_f32 sigma_t,
+                                      struct am_array_f32 cross_section,
+                                      float *value);
+
+// `am_number_density_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_number_density_record(const struct am_host_table *host,
+                                   am_node sigma_t,
+                                   am_node cross_section,
+                                   am_node *value);
+
+// Polarisability volume α/(4π ε₀), m³, of a polarisability α in C m²/V, which is too small for all
+// the digits of single precision. Tables have volumes in Å³ = 1e-30 m³.
+//
+// # Safety
+// `value` points to one number.
+am_status am_polarizability_volume_f64(double polarizability,
+                                       double *value);
+
+// `am_polarizability_volume_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_polarizability_volume_f32(float polarizability, float *value);
+
+// `am_polarizability_volume_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_polarizability_volume_batch_f64(size_t n,
+                                             struct am_array_f64 polarizability,
+                                             double *value);
+
+// `am_polarizability_volume_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_polarizability_volume_batch_f32(size_t n,
+                                             struct am_array_f32 polarizability,
+                                             float *value);
+
+// `am_polarizability_volume_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_polarizability_volume_record(const struct am_host_table *host,
+                                          am_node polarizability,
+                                          am_node *value);
+
+// Polarisability, C m²/V, of a polarisability volume, m³.
+//
+// # Safety
+// `value` points to one number.
+am_status am_polarizability_f64(double polarizability_volume, double *value);
+
+// `am_polarizability_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_polarizability_f32(float polarizability_volume, float *value);
+
+// `am_polarizability_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_polarizability_batch_f64(size_t n,
+                                      struct am_array_f64 polarizability_volume,
+                                      double *value);
+
+// `am_polarizability_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_polarizability_batch_f32(size_t n,
+                                      struct am_array_f32 polarizability_volume,
+                                      float *value);
+
+// `am_polarizability_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_polarizability_record(const struct am_host_table *host,
+                                   am_node polarizability_volume,
+                                   am_node *value);
+
+// Refraction L = (η² − 1)/(η² + 2), by the Lorentz–Lorenz equation, of matter of a density in kg/m³
+// whose molecules have a mass in kg and a polarisability volume in m³. Source: article, Eq. 6.
+//
+// Refractions add up: that of a mixture is the sum of those of its parts, each weighted by the
+// fraction of the volume that it has before mixing.
+//
+// # Safety
+// `value` points to one number.
+am_status am_refraction_from_density_f64(double mass_density,
+                                         double molecular_mass,
+                                         double polarizability_volume,
+                                         double *value);
+
+// `am_refraction_from_density_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_refraction_from_density_f32(float mass_density,
+                                         float molecular_mass,
+                                         float polarizability_volume,
+                                         float *value);
+
+// `am_refraction_from_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_density_batch_f64(size_t n,
+                                               struct am_array_f64 mass_density,
+                                               struct am_array_f64 molecular_mass,
+                                               struct am_array_f64 polarizability_volume,
+                                               double *value);
+
+// `am_refraction_from_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_density_batch_f32(size_t n,
+                                               struct am_array_f32 mass_density,
+                                               struct am_array_f32 molecular_mass,
+                                               struct am_array_f32 polarizability_volume,
+                                               float *value);
+
+// `am_refraction_from_density_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_refraction_from_density_record(const struct am_host_table *host,
+                                            am_node mass_density,
+                                            am_node molecular_mass,
+                                            am_node polarizability_volume,
+                                            am_node *value);
+
+// Density, kg/m³, of matter of a refraction L: the inverse of `am_refraction_from_density_f64`.
+//
+// # Safety
+// `value` points to one number.
+am_status am_density_from_refraction_f64(double refraction,
+                                         double molecular_mass,
+                                         double polarizability_volume,
+                                         double *value);
+
+// `am_density_from_refraction_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_density_from_refraction_f32(float refraction,
+                                         float molecular_mass,
+                                         float polarizability_volume,
+                                         float *value);
+
+// `am_density_from_refraction_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_density_from_refraction_batch_f64(size_t n,
+                                               struct am_array_f64 refraction,
+                                               struct am_array_f64 molecular_mass,
+                                               struct am_array_f64 polarizability_volume,
+                                               double *value);
+
+// `am_density_from_refraction_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_density_from_refraction_batch_f32(size_t n,
+                                               struct am_array_f32 refraction,
+                                               struct am_array_f32 molecular_mass,
+                                               struct am_array_f32 polarizability_volume,
+                                               float *value);
+
+// `am_density_from_refraction_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_density_from_refraction_record(const struct am_host_table *host,
+                                            am_node refraction,
+                                            am_node molecular_mass,
+                                            am_node polarizability_volume,
+                                            am_node *value);
+
+// Refractivity η − 1 of a refraction L in [0, 1), which may be the sum of those of a mixture; as
+// precise for gases. Source: article, Eq. 6.
+//
+// # Safety
+// `value` points to one number.
+am_status am_refractivity_from_refraction_f64(double refraction, double *value);
+
+// `am_refractivity_from_refraction_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_refractivity_from_refraction_f32(float refraction, float *value);
+
+// `am_refractivity_from_refraction_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refractivity_from_refraction_batch_f64(size_t n,
+                                                    struct am_array_f64 refraction,
+                                                    double *value);
+
+// `am_refractivity_from_refraction_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refractivity_from_refraction_batch_f32(size_t n,
+                                                    struct am_array_f32 refraction,
+                                                    float *value);
+
+// `am_refractivity_from_refraction_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_refractivity_from_refraction_record(const struct am_host_table *host,
+                                                 am_node refraction,
+                                                 am_node *value);
+
+// Refraction L = (η² − 1)/(η² + 2) of a refractivity η − 1; as precise for gases.
+// Source: article, Eq. 6.
+//
+// # Safety
+// `value` points to one number.
+am_status am_refraction_from_refractivity_f64(double refractivity, double *value);
+
+// `am_refraction_from_refractivity_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_refraction_from_refractivity_f32(float refractivity, float *value);
+
+// `am_refraction_from_refractivity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_refractivity_batch_f64(size_t n,
+                                                    struct am_array_f64 refractivity,
+                                                    double *value);
+
+// `am_refraction_from_refractivity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_refractivity_batch_f32(size_t n,
+                                                    struct am_array_f32 refractivity,
+                                                    float *value);
+
+// `am_refraction_from_refractivity_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_refraction_from_refractivity_record(const struct am_host_table *host,
+                                                 am_node refractivity,
+                                                 am_node *value);
+
+// Refractive index η of a refraction L in [0, 1). Source: article, Eq. 6.
+//
+// # Safety
+// `value` points to one number.
+am_status am_refractive_index_f64(double refraction, double *value);
+
+// `am_refractive_index_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_refractive_index_f32(float refraction, float *value);
+
+// `am_refractive_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refractive_index_batch_f64(size_t n,
+                                        struct am_array_f64 refraction,
+                                        double *value);
+
+// `am_refractive_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refractive_index_batch_f32(size_t n,
+                                        struct am_array_f32 refraction,
+                                        float *value);
+
+// `am_refractive_index_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_refractive_index_record(const struct am_host_table *host,
+                                     am_node refraction,
+                                     am_node *value);
+
+// Refraction L = (η² − 1)/(η² + 2) of a refractive index η. Source: article, Eq. 6.
+//
+// # Safety
+// `value` points to one number.
+am_status am_refraction_from_index_f64(double refractive_index, double *value);
+
+// `am_refraction_from_index_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_refraction_from_index_f32(float refractive_index, float *value);
+
+// `am_refraction_from_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_index_batch_f64(size_t n,
+                                             struct am_array_f64 refractive_index,
+                                             double *value);
+
+// `am_refraction_from_index_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_refraction_from_index_batch_f32(size_t n,
+                                             struct am_array_f32 refractive_index,
+                                             float *value);
+
+// `am_refraction_from_index_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_refraction_from_index_record(const struct am_host_table *host,
+                                          am_node refractive_index,
+                                          am_node *value);
+
+// Refractivity η − 1 of a gas of a density in kg/m³ whose molecules have a mass in kg and a
+// polarisability volume in m³. Low by (η − 1)/6 of itself. Source: article, Eq. 7.
+//
+// # Safety
+// `value` points to one number.
+am_status am_gas_refractivity_f64(double mass_density,
+                                  double molecular_mass,
+                                  double polarizability_volume,
+                                  double *value);
+
+// `am_gas_refractivity_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_gas_refractivity_f32(float mass_density,
+                                  float molecular_mass,
+                                  float polarizability_volume,
+                                  float *value);
+
+// `am_gas_refractivity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_gas_refractivity_batch_f64(size_t n,
+                                        struct am_array_f64 mass_density,
+                                        struct am_array_f64 molecular_mass,
+                                        struct am_array_f64 polarizability_volume,
+                                        double *value);
+
+// `am_gas_refractivity_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_gas_refractivity_batch_f32(size_t n,
+                                        struct am_array_f32 mass_density,
+                                        struct am_array_f32 molecular_mass,
+                                        struct am_array_f32 polarizability_volume,
+                                        float *value);
+
+// `am_gas_refractivity_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_gas_refractivity_record(const struct am_host_table *host,
+                                     am_node mass_density,
+                                     am_node molecular_mass,
+                                     am_node polarizability_volume,
+                                     am_node *value);
+
+// Density, kg/m³, of a gas of a refractivity η − 1: the inverse of `am_gas_refractivity_f64`.
+//
+// # Safety
+// `value` points to one number.
+am_status am_gas_density_f64(double refractivity,
+                             double molecular_mass,
+                             double polarizability_volume,
+                             double *value);
+
+// `am_gas_density_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_gas_density_f32(float refractivity,
+                             float molecular_mass,
+                             float polarizability_volume,
+                             float *value);
+
+// `am_gas_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_gas_density_batch_f64(size_t n,
+                                   struct am_array_f64 refractivity,
+                                   struct am_array_f64 molecular_mass,
+                                   struct am_array_f64 polarizability_volume,
+                                   double *value);
+
+// `am_gas_density_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_gas_density_batch_f32(size_t n,
+                                   struct am_array_f32 refractivity,
+                                   struct am_array_f32 molecular_mass,
+                                   struct am_array_f32 polarizability_volume,
+                                   float *value);
+
+// `am_gas_density_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_gas_density_record(const struct am_host_table *host,
+                                am_node refractivity,
+                                am_node molecular_mass,
+                                am_node polarizability_volume,
+                                am_node *value);
+
+// Rayleigh cross-section of a molecule of dry air, m², at a `wavelength` in vacuum from 200 to
+// 2000 nm. Off their computation by 0.01 % from 250 to 850 nm, by 0.4 % and 3 % at the ends.
+// Source: Bodhaine et al. (1999), Eq. 29.
+//
+// # Safety
+// `value` points to one number.
+am_status am_rayleigh_air_f64(double wavelength, double *value);
+
+// `am_rayleigh_air_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_rayleigh_air_f32(float wavelength, float *value);
+
+// `am_rayleigh_air_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_rayleigh_air_batch_f64(size_t n,
+                                    struct am_array_f64 wavelength,
+                                    double *value);
+
+// `am_rayleigh_air_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_rayleigh_air_batch_f32(size_t n,
+                                    struct am_array_f32 wavelength,
+                                    float *value);
+
+// `am_rayleigh_air_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_rayleigh_air_record(const struct am_host_table *host,
+                                 am_node wavelength,
+                                 am_node *value);
+
+// Rayleigh cross-section of a molecule of a gas, m²: (24π³/λ⁴) (L/n)² F at a `wavelength` λ in nm,
+// where the gas has the refractivity η − 1 if there are n = `number_density` molecules in a m³, and
+// the King factor F. Source: Sneep and Ubachs (2005), Eq. 1.
+//
+// # Safety
+// `value` points to one number.
+am_status am_rayleigh_cross_section_f64(double wavelength,
+                                        double refractivity,
+                                        double number_density,
+                                        double king_factor,
+                                        double *value);
+
+// `am_rayleigh_cross_section_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_rayleigh_cross_section_f32(float wavelength,
+                                        float refractivity,
+                                        float number_density,
+                                        float king_factor,
+                                        float *value);
+
+// `am_rayleigh_cross_section_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_rayleigh_cross_section_batch_f64(size_t n,
+                                              struct am_array_f64 wavelength,
+                                              struct am_array_f64 refractivity,
+                                              struct am_array_f64 number_density,
+                                              struct am_array_f64 king_factor,
+                                              double *value);
+
+// `am_rayleigh_cross_section_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_rayleigh_cross_section_batch_f32(size_t n,
+                                              struct am_array_f32 wavelength,
+                                              struct am_array_f32 refractivity,
+                                              struct am_array_f32 number_density,
+                                              struct am_array_f32 king_factor,
+                                              float *value);
+
+// `am_rayleigh_cross_section_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_rayleigh_cross_section_record(const struct am_host_table *host,
+                                           am_node wavelength,
+                                           am_node refractivity,
+                                           am_node number_density,
+                                           am_node king_factor,
+                                           am_node *value);
 
 // The number of the kind of profile called `name`, for example "exponential".
 //

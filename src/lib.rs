@@ -22,8 +22,9 @@
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
 //! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] stands beside
-//! `sampling`.
+//! `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers.
 
+pub mod coefficients;
 pub mod error;
 pub mod ffi;
 pub mod geometry;

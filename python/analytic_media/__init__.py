@@ -5,12 +5,13 @@
     fog = am.Medium([(am.Exponential(scale_height=20), 0.1)])
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
-`am.special` has the functions behind it, `am.spectral` the weights of paths that carry several
-wavelengths; `am.jit` asks the same of Dr.Jit arrays; `am.earth()` and its like are scenes for
-Mitsuba. Importing the package makes its plugins known to Mitsuba, if it is installed.
+`am.special` has the functions behind it, `am.coefficients` the ways to state a medium, and
+`am.spectral` the weights of paths that carry several wavelengths; `am.jit` asks the same of Dr.Jit
+arrays; `am.earth()` and its like are scenes for Mitsuba. Importing the package makes its plugins
+known to Mitsuba, if it is installed.
 """
 
-from . import jit, presets, special, spectral
+from . import coefficients, jit, presets, special, spectral
 from ._native import version as _version
 from ._plugins import register as _register
 from .geometry import Planet
@@ -43,6 +44,7 @@ __all__ = [
     "Tent",
     "bessel_k1_scaled",
     "chapman",
+    "coefficients",
     "earth",
     "erfcx",
     "height_fog",

@@ -90,6 +90,12 @@ def answers(
     return tuple(result[()] for result in results)
 
 
+def function(name: str, **arguments):
+    """The C function `name` of numbers, for every item of the broadcast arguments."""
+    inputs = [unchecked(key, value) for key, value in arguments.items()]
+    return answer(None, name, *inputs)
+
+
 def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
     """Shape of the items, and the checked arguments broadcast to it, in one float type."""
     arrays = [_real(argument) for argument in arguments]

@@ -40,7 +40,8 @@ def declarations(header: str) -> str:
                 pass
             case _ if all(taken):
                 kept.append(line)
-    return "\n".join(kept)
+    # cffi would look for the value of a constant here, not in the library.
+    return "\n".join(kept).replace("extern const double", "extern double")
 
 
 def _find(name: str, places: Sequence[Path]) -> Path:
@@ -80,6 +81,12 @@ _ffi, _lib = _load()
 def version() -> str:
     """Version of the library, for example "0.1.0"."""
     return _ffi.string(_lib.am_version()).decode()
+
+
+def constant(name: str) -> float | tuple[float, ...]:
+    """A constant of the header: a number, or several."""
+    value = getattr(_lib, name)
+    return value if isinstance(value, float) else tuple(value)
 
 
 def _check(status: int) -> None:

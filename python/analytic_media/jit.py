@@ -207,7 +207,8 @@ class Medium:
 
 
 def special(function: str, *arguments: Array, host: Host | None = None) -> Array:
-    """A function of `analytic_media.special`, answered by a host: `special("chapman", z, mu)`.
+    """A function of `analytic_media.special` or `analytic_media.coefficients`, answered by a host:
+    `special("chapman", z, mu)`.
 
     Arguments are not checked. Raises AttributeError for a function that does not exist.
     """

@@ -28,12 +28,12 @@ def chapman(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
 
     Relative error below 1e-13, in float32 1e-6.
     """
-    return _ask("chapman", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman", z=z, cos_zenith=cos_zenith)
 
 
 def log_chapman(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
     """Natural logarithm of `chapman`, finite where that overflows."""
-    return _ask("log_chapman", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("log_chapman", z=z, cos_zenith=cos_zenith)
 
 
 def chapman_rescaled(z: ArrayLike, surface: ArrayLike, cos_zenith: ArrayLike) -> Result:
@@ -41,32 +41,32 @@ def chapman_rescaled(z: ArrayLike, surface: ArrayLike, cos_zenith: ArrayLike) ->
 
     Times the scale height it is the column of a ray where the density at the surface is 1.
     """
-    return _ask("chapman_rescaled", z=z, surface=surface, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_rescaled", z=z, surface=surface, cos_zenith=cos_zenith)
 
 
 def log_chapman_rescaled(z: ArrayLike, surface: ArrayLike, cos_zenith: ArrayLike) -> Result:
     """Natural logarithm of `chapman_rescaled`, finite where that overflows or vanishes."""
-    return _ask("log_chapman_rescaled", z=z, surface=surface, cos_zenith=cos_zenith)
+    return _arrays.function("log_chapman_rescaled", z=z, surface=surface, cos_zenith=cos_zenith)
 
 
 def chapman_upper(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
     """`chapman` of rays that do not lead down, `cos_zenith` in [0, 1]."""
-    return _ask("chapman_upper", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_upper", z=z, cos_zenith=cos_zenith)
 
 
 def chapman_lower(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
     """`chapman` of rays that do not lead up, `cos_zenith` in [-1, 0]."""
-    return _ask("chapman_lower", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_lower", z=z, cos_zenith=cos_zenith)
 
 
 def bessel_k1_scaled(z: ArrayLike) -> Result:
     """z exp(z) K1(z) for z >= 0: `chapman` of horizontal rays. 1 at 0 (Eq. 47)."""
-    return _ask("bessel_k1_scaled", z=z)
+    return _arrays.function("bessel_k1_scaled", z=z)
 
 
 def erfcx(x: ArrayLike) -> Result:
     """exp(x²) erfc(x) for any finite x. Relative error below 5e-16, in float32 5e-7."""
-    return _ask("erfcx", x=x)
+    return _arrays.function("erfcx", x=x)
 
 
 # ---- Approximations --------------------------------------------------------------------------
@@ -78,17 +78,17 @@ def chapman_huestis(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
     Relative error upwards 8 % at z = 1, 3e-5 at 100, 1e-6 beyond 800. Rays that pass near the
     centre diverge.
     """
-    return _ask("chapman_huestis", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_huestis", z=z, cos_zenith=cos_zenith)
 
 
 def chapman_horizontal_huestis(z: ArrayLike) -> Result:
     """`bessel_k1_scaled` for large z > 0, by three terms of its series (Eq. 47; Huestis, 2001)."""
-    return _ask("chapman_horizontal_huestis", z=z)
+    return _arrays.function("chapman_horizontal_huestis", z=z)
 
 
 def chapman_schueler(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
     """`chapman` upwards, z > 0 (Eq. 49; Schüler, 2012). Relative error up to 15 %."""
-    return _ask("chapman_schueler", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_schueler", z=z, cos_zenith=cos_zenith)
 
 
 def chapman_kocifaj(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
@@ -96,19 +96,14 @@ def chapman_kocifaj(z: ArrayLike, cos_zenith: ArrayLike) -> Result:
 
     Relative error 16 % at z = 1, 0.4 % beyond 100.
     """
-    return _ask("chapman_kocifaj", z=z, cos_zenith=cos_zenith)
+    return _arrays.function("chapman_kocifaj", z=z, cos_zenith=cos_zenith)
 
 
 def erfcx_golubev(x: ArrayLike) -> Result:
     """`erfcx` for x >= 0 by the article's fit (`Exp2Erfc`). Relative error 1.5e-6."""
-    return _ask("erfcx_golubev", x=x)
+    return _arrays.function("erfcx_golubev", x=x)
 
 
 def erfcx_ren_mackenzie(x: ArrayLike) -> Result:
     """`erfcx` for x >= 0 (draft, Eq. 44; Ren and MacKenzie, 2007). Relative error 3.4e-3."""
-    return _ask("erfcx_ren_mackenzie", x=x)
-
-
-def _ask(function: str, **arguments: ArrayLike) -> Result:
-    inputs = [_arrays.unchecked(name, value) for name, value in arguments.items()]
-    return _arrays.answer(None, function, *inputs)
+    return _arrays.function("erfcx_ren_mackenzie", x=x)

@@ -13,6 +13,7 @@
 
 mod arg;
 mod array;
+mod coefficients;
 mod describe;
 mod function;
 mod geometry;
@@ -25,6 +26,7 @@ mod status;
 
 pub use crate::real::node::{AmHostTable, AmNode};
 pub use array::{AmArrayF32, AmArrayF64};
+pub use coefficients::*;
 pub use describe::*;
 pub use geometry::*;
 pub use medium::*;

@@ -32,13 +32,52 @@ Analytic medium (:monosp:`analytic`)
 
  * - sigma_a, sigma_s
    - |float|, |spectrum|
-   - Absorption and scattering coefficients, in inverse scene units. Both, and instead of
-     ``sigma_t`` and ``albedo``.
+   - Absorption and scattering coefficients, in inverse scene units, instead of ``sigma_t`` and
+     ``albedo``.
+   - |exposed|, |differentiable|
+
+ * - mean_free_path
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: its inverse, in scene units, greater than 0.
+   - |exposed|, |differentiable|
+
+ * - transmittance, at_distance
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: what passes, above 0 and at most 1, over a distance in scene units.
+   - |exposed|, |differentiable|
+
+ * - opacity, at_distance
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: what does not pass, 0 to below 1, over a distance in scene units.
+   - |exposed|, |differentiable|
+
+ * - visibility, contrast
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: the distance, in scene units, at which a black object against the
+     horizon keeps the contrast, between 0 and 1. (Default contrast: 0.05)
+   - |exposed|, |differentiable|
+
+ * - mass_density, mass_attenuation
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: their product, from kg/m³ and m²/kg, in 1/m.
+   - |exposed|, |differentiable|
+
+ * - number_density, cross_section
+   - |float|, |spectrum|
+   - Instead of ``sigma_t``: their product, from 1/m³ and m², in 1/m.
+   - |exposed|, |differentiable|
+
+ * - extinction_index
+   - |float|, |spectrum|
+   - Instead of ``sigma_a``, beside ``sigma_s``: the imaginary part of the index of refraction. The
+     absorption, in 1/m, is that at the wavelengths of the ray in spectral variants, at 680, 550 and
+     440 nm in RGB variants, and at 550 nm in monochrome ones.
    - |exposed|, |differentiable|
 
  * - scale
    - |float|
-   - Multiplies the coefficients. (Default: 1)
+   - Multiplies the coefficients; converts those in 1/m where a scene has another unit of length.
+     (Default: 1)
    - |exposed|, |differentiable|
 
  * - up

@@ -6,10 +6,35 @@ from functools import reduce
 import mitsuba as mi
 import numpy as np
 
+from .. import coefficients
 from ..profiles import Profile
 from ..voxelize import Grid, voxelize
 
-COEFFICIENTS = ("sigma_t", "sigma_a", "sigma_s", "albedo", "scale")
+
+def as_it_is(coefficient):
+    return coefficient
+
+
+# What a scene may state beside the albedo, and the extinction that it makes; and beside sigma_s,
+# and the absorption. The list of the plugin is in mitsuba_plugin/src/coefficients.h.
+EXTINCTION = {
+    ("sigma_t",): as_it_is,
+    ("mean_free_path",): coefficients.sigma_t_from_mean_free_path,
+    ("transmittance", "at_distance"): coefficients.sigma_t_from_transmittance,
+    ("opacity", "at_distance"): coefficients.sigma_t_from_opacity,
+    ("visibility", "contrast"): coefficients.sigma_t_from_visibility,
+    ("mass_density", "mass_attenuation"): coefficients.sigma_t_from_mass,
+    ("number_density", "cross_section"): coefficients.sigma_t_from_number,
+}
+ABSORPTION = {
+    ("sigma_a",): as_it_is,
+    ("extinction_index",): lambda index: coefficients.sigma_a_from_extinction_index(
+        index, wavelengths()
+    ),
+}
+DEFAULTS = {"sigma_t": 1.0, "albedo": 0.75, "contrast": 0.05}
+COEFFICIENTS = {name for names in (*EXTINCTION, *ABSORPTION) for name in names}
+COEFFICIENTS |= {"sigma_s", "albedo", "scale"}
 BOUNDS = ("bbox_min", "bbox_max", "bsphere_center", "bsphere_radius", "max_density")
 
 
@@ -118,8 +143,7 @@ def read_medium(state, number):
                 raise SceneError(f"medium '{node.props.id()}': albedo must be a number or rgb")
     else:
         components = [read_component(state, node)]
-        albedo_is_own = not {"sigma_s", "sigma_a"}.intersection(node.props.keys())
-        if albedo_is_own:
+        if "sigma_s" not in node.props:
             components[0].albedo = None
     return SceneMedium(node.props.id(), components, *read_bounds(node.props))
 
@@ -167,22 +191,41 @@ def read_bounds(props):
 def read_coefficients(props):
     """(sigma_t, albedo) at density 1, scale included; albedo None: not a number or rgb."""
     scale = props.get("scale", 1.0)
-    if "sigma_s" in props or "sigma_a" in props:
-        sigma_s, sigma_a = (read_colour(props, key, 0.0) for key in ("sigma_s", "sigma_a"))
-        sigma_t = sigma_s + sigma_a
-        albedo = np.divide(sigma_s, sigma_t, where=sigma_t > 0, out=np.zeros_like(sigma_t * 1.0))
-        return simplify(sigma_t * scale), simplify(albedo)
+    if "sigma_s" in props:
+        sigma_s, sigma_a = read_colour(props, "sigma_s"), read_stated(props, ABSORPTION)
+        sigma_t = coefficients.sigma_t_from_parts(sigma_a, sigma_s)
+        return simplify(sigma_t * scale), simplify(coefficients.albedo_from_parts(sigma_a, sigma_s))
     try:
-        albedo = simplify(read_colour(props, "albedo", 0.75))
+        albedo = simplify(read_colour(props, "albedo"))
     except SceneError:
         albedo = None
-    return simplify(read_colour(props, "sigma_t", 1.0) * scale), albedo
+    return simplify(read_stated(props, EXTINCTION) * scale), albedo
 
 
-def read_colour(props, key, default):
+def read_stated(props, parametrisations):
+    """What the parametrisation that the scene uses makes of its parameters."""
+    given = [names for names in parametrisations if names[0] in props]
+    names = given[0] if given else next(iter(parametrisations))
+    return parametrisations[names](*(read_colour(props, name) for name in names))
+
+
+def wavelengths():
+    """Those that the channels of the variant stand for, in nm."""
+    if mi.is_rgb:
+        return np.array(coefficients.RGB_WAVELENGTHS)
+    if mi.is_monochromatic:
+        return np.array(coefficients.RGB_WAVELENGTHS[1])
+    raise SceneError(
+        f"an extinction_index has a voxel twin in rgb and mono variants only, not in {mi.variant()}"
+    )
+
+
+def read_colour(props, key):
     """A float or rgb property as an array of one or three numbers."""
     if key not in props:
-        return np.array(default)
+        if key not in DEFAULTS:
+            raise SceneError(f"medium '{props.id()}': {key} is missing")
+        return np.array(DEFAULTS[key])
     kind = props.type(key)
     if kind in (mi.Properties.Type.Float, mi.Properties.Type.Integer):
         return np.array(float(props[key]))

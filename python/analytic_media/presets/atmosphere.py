@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# What a colour channel stands for, red, green and blue: Bruneton and Neyret, "Precomputed
-# Atmospheric Scattering" (2008), Section 4.
-RGB_WAVELENGTHS = (680.0, 550.0, 440.0)  # nm
+from ..coefficients import RGB_WAVELENGTHS
+
 # What spectral variants of Mitsuba sample; a step of 5 nm leaves the interpolation of a Rayleigh
 # coefficient 1e-3 of its value at 360 nm, less at longer wavelengths.
 WAVELENGTHS = np.arange(360.0, 831.0, 5.0)  # nm

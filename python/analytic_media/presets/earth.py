@@ -6,6 +6,7 @@ their column at sea level and 45° latitude, and the density there, give the sca
 
 import numpy as np
 
+from ..coefficients import STANDARD_NUMBER_DENSITY
 from . import rayleigh
 from .atmosphere import Planet, exponential, tabulated, tent
 from .scene import medium, scene
@@ -16,7 +17,7 @@ TOP = 100e3  # m: exp(-12) of the air is above
 # Molecules above 1 m² at sea level, 1013.25 hPa: the factor of Bodhaine et al. (1999), Eq. 30,
 # over that of Eq. 29.
 COLUMN = 0.0021520 / 1e-32
-SCALE_HEIGHT = COLUMN / rayleigh.STANDARD_DENSITY  # 8450 m, at 288.15 K
+SCALE_HEIGHT = COLUMN / STANDARD_NUMBER_DENSITY  # 8450 m, at 288.15 K
 
 # Global annual means of the aerosol: Kinne, "The MACv2 aerosol climatology", Tellus B 71 (2019),
 # Table 2.

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..coefficients import sigma_t_from_visibility
+
 # Contrast that the eye still sees at the distance called visibility: Koschmieder's law with the
 # threshold of the World Meteorological Organization's meteorological optical range (WMO-No. 8,
 # Volume I, Chapter 9): 5 % of the light is left.
@@ -32,7 +34,7 @@ def height_fog(
         "profile": "exponential",
         "scale_height": scale_height,
         "base_height": base_height,
-        "sigma_t": -np.log(CONTRAST) / visibility,
+        "sigma_t": float(sigma_t_from_visibility(visibility, CONTRAST)),
         "albedo": albedo,
         "phase": {"type": "hg", "g": asymmetry},
     }
