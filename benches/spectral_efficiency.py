@@ -1,6 +1,6 @@
 """Efficiency of the ways to treat colour, on three scenes: spectral MIS over all else.
 
-    python benches/spectral_efficiency.py [--scene NAME] [--variant NAME] [--rounds N] [--time SECONDS]
+    python benches/spectral_efficiency.py [--scene NAME] [--variant NAME] [--rounds N] [--time S]
 
 Runs `analytic-media compare --strategies` on each scene, in all variants, and prints one table in
 Markdown: how many times the efficiency of `analyticvolpath` with spectral MIS is that of its other
