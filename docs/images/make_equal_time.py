@@ -32,7 +32,9 @@ def render(variant, seconds):
     with tempfile.TemporaryDirectory() as folder:
 
         def timed(medium, integrator, seed):
-            worker = Timed(Worker(Job(str(SCENE), variant, medium, folder, seed)), integrator)
+            worker = Timed(
+                Worker(Job(str(SCENE), variant, medium, folder, seed)), {"type": integrator}
+            )
             worker.climb(seconds / 4)
             return worker
 

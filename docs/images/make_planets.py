@@ -1,4 +1,4 @@
-"""The pictures of planets and of fog layers.
+"""The pictures of planets, of fog layers and of coloured media.
 
     python docs/images/make_planets.py [--spp 1024] [--variant llvm_ad_rgb] [NAME ...]
 
@@ -24,9 +24,9 @@ WIDTH, HEIGHT = 480, 270
 PASS = 64  # samples per pixel of one rendering
 
 
-def from_file(name):
+def from_file(name, width=WIDTH, height=HEIGHT):
     def load():
-        return mi.load_file(str(SCENES / f"{name}.xml"), res_x=WIDTH, res_y=HEIGHT)
+        return mi.load_file(str(SCENES / f"{name}.xml"), res_x=width, res_y=height)
 
     return load
 
@@ -46,6 +46,9 @@ PICTURES = {
     "earth_sunset": [(from_file("earth_sunset"), 0, False), (from_file("earth_sunset"), 1, True)],
     "earth_orbit": [(from_file("earth_orbit"), 0, False)],
     "aerial_perspective": [(from_file("aerial_perspective"), 0, False)],
+    "ocean": [(from_file("ocean"), 0, False)],
+    "skin": [(from_file("skin", width=240, height=300), 0, False)],
+    "sky_patch": [(from_file("sky_patch"), 0, False)],
     "mars_sunset": [
         (from_preset(am.presets.mars, "horizon", dust=0.4, sun_zenith=85, sun_azimuth=0), 0, False)
     ],

@@ -62,6 +62,10 @@ def add_compare(commands):
         "--spp", type=positive(int), metavar="N",
         help="samples per pixel of each method in each round, instead of equal time",
     )  # fmt: skip
+    command.add_argument(
+        "--strategies", action="store_true",
+        help="compare the other values of analyticvolpath's spectral_sampling, too",
+    )  # fmt: skip
     add_output(command, "report")
     add_define(command)
     command.set_defaults(command=run_compare)
@@ -198,20 +202,32 @@ def run_compare(options):
             seconds=options.time,
             reference_seconds=options.reference_time or 7.5 * options.time,
             spp=options.spp,
+            strategies=options.strategies,
             parameters=dict(options.definitions),
         ),
         options.output,
         options.command_line,
     )
     for variant, numbers in summary["variants"].items():
-        ratio = numbers["efficiency_ratios"]["mse"].get("best_grid")
-        if ratio:
-            print(
-                f"{variant}: {ratio['median']:.2f} times the efficiency of the best grid method "
-                f"({ratio['min']:.2f} to {ratio['max']:.2f} over {len(ratio['values'])} rounds)"
-            )
+        print_ratios(variant, numbers)
     print(f"Report: {options.output / 'report.html'}")
     return 0
+
+
+def print_ratios(variant, numbers):
+    """Our efficiency over that of the best stock methods, and of our other strategies."""
+    named = {
+        "best_grid": "the best grid method",
+        "best_tracking": "the best stock method on our own medium",
+        **{key: m["label"] for key, m in numbers["methods"].items() if m["strategy"]},
+    }
+    for key, name in named.items():
+        ratio = numbers["efficiency_ratios"]["mse"].get(key)
+        if ratio:
+            print(
+                f"{variant}: {ratio['median']:.2f} times the efficiency of {name} "
+                f"({ratio['min']:.2f} to {ratio['max']:.2f} over {len(ratio['values'])} rounds)"
+            )
 
 
 def default_variants():

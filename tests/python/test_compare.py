@@ -8,7 +8,14 @@ import pytest
 mi = pytest.importorskip("mitsuba")
 
 from analytic_media.compare import compare, statistics, twin  # noqa: E402
-from analytic_media.compare.methods import EXACT, OURS, colour_mode, methods_for  # noqa: E402
+from analytic_media.compare.methods import (  # noqa: E402
+    EXACT,
+    OURS,
+    STRATEGIES,
+    TRACKED,
+    colour_mode,
+    methods_for,
+)
 from analytic_media.compare.protocol import Options  # noqa: E402
 
 VARIANT = "scalar_rgb"
@@ -41,6 +48,7 @@ SCENE = """
 """
 GREY = '<float name="sigma_t" value="0.3"/><float name="albedo" value="0.9"/>'
 CHROMATIC = '<rgb name="sigma_t" value="0.1, 0.2, 0.4"/><rgb name="albedo" value="0.9, 0.8, 0.7"/>'
+SPECTRUM = '<spectrum name="sigma_t" value="360:0.4, 550:0.2, 830:0.1"/>'
 SCATTERING = '<float name="sigma_s" value="0.15"/><float name="sigma_a" value="0.05"/>'
 
 
@@ -188,6 +196,88 @@ def test_tiny_comparison_writes_summary_and_report(scene, tmp_path, sigma):
     assert html.count("data:image/png;base64,") >= 10
     # With the colon: "http" alone turns up in base64 now and then.
     assert "http:" not in html and "https:" not in html, "self-contained"
+
+
+def test_strategies_are_compared_with_spectral_mis(scene, tmp_path):
+    """Ours has a ratio to each strategy; they are neither grids nor stock methods."""
+    options = Options(str(scene(CHROMATIC)), (VARIANT,), (4,), rounds=2, spp=2, strategies=True)
+    summary = compare(options, tmp_path / "report", "test")
+
+    numbers = summary["variants"][VARIANT]
+    strategies = {m["strategy"]: key for key, m in numbers["methods"].items() if m["strategy"]}
+    assert set(strategies) == set(STRATEGIES)
+    for kind, ratios in numbers["efficiency_ratios"].items():
+        assert set(strategies.values()) <= set(ratios), kind
+        assert set(ratios) <= {*numbers["methods"], "best_grid", "best_tracking"}
+    assert "analyticvolpath (single), exact medium" in (tmp_path / "report/report.html").read_text()
+
+
+def test_best_stock_methods_are_stock_methods():
+    """Were a strategy of ours twice as efficient as all else, no best stock method would be it."""
+    from analytic_media.compare.protocol import efficiency_ratios
+
+    class Rounds:
+        def __init__(self, mse):
+            self.rounds = [{"mse": mse, "cpu_seconds": 1.0}]
+
+    methods = methods_for(VARIANT, (4,), strategies=True)
+    errors = {EXACT: 1.0, TRACKED: 3.0, 4: 5.0}
+    runs = {m: Rounds(0.5 if m.strategy else errors[m.medium]) for m in methods}
+    ratios = efficiency_ratios(runs, "mse")
+    assert ratios["best_tracking"]["median"] == pytest.approx(3)
+    assert ratios["best_grid"]["median"] == pytest.approx(5)
+    assert ratios["analyticvolpath (single)@exact"]["median"] == pytest.approx(0.5)
+
+
+def test_strategy_is_a_property_of_the_integrator():
+    plugins = [m.plugin for m in methods_for(VARIANT, (), strategies=True)]
+    expected = [{"type": "analyticvolpath", "spectral_sampling": name} for name in STRATEGIES]
+    assert plugins[:4] == [{"type": "analyticvolpath"}, *expected]
+
+
+# ---- Spectral variants
+
+SPECTRAL = "scalar_spectral"
+spectral = pytest.mark.parametrize("variant", [SPECTRAL], indirect=True)
+
+
+@spectral
+@pytest.mark.parametrize("sigma", [CHROMATIC, SPECTRUM], ids=["rgb", "spectrum"])
+def test_coloured_media_are_compared_in_spectral_variants(variant, scene, tmp_path, sigma):
+    options = Options(str(scene(sigma)), (variant,), (4,), rounds=2, spp=2)
+    summary = compare(options, tmp_path / "report", "test")
+    references = summary["references"]["spectral"]
+    assert references[EXACT]["integrator"] == "analyticvolpath"
+    assert references["4"]["integrator"] == "volpathmis"
+    methods = summary["variants"][variant]["methods"]
+    assert all(r["mean"] > 0 for method in methods.values() for r in method["rounds"])
+
+
+@spectral
+def test_grid_has_the_colour_of_the_medium_in_spectral_variants(variant, scene, tmp_path):
+    """gridvolume makes a smooth spectrum of three channels, whose colour under D65 they are."""
+    state = twin.parse(scene(CHROMATIC), variant)
+    copy, _ = twin.voxelised(state, 4, variant, tmp_path)
+    [volume] = [n.props for n in copy.nodes if n.props.plugin_name() == "gridvolume"]
+    grid = mi.load_dict(
+        {"type": "gridvolume", "filename": volume["filename"], "use_grid_bbox": True}
+    )
+    wavelengths = np.linspace(360, 830, 96)
+    place = mi.MediumInteraction3f()
+    place.p = mi.ScalarPoint3f(0, 0, 0)
+    values = []
+    for four in wavelengths.reshape(-1, 4):
+        place.wavelengths = four
+        values.extend(grid.eval(place))
+    colour = mi.spectrum_list_to_srgb(wavelengths.tolist(), values, bounded=False, d65=True)
+    np.testing.assert_allclose(np.array(colour) / colour[2], [0.25, 0.5, 1], rtol=0.02)
+
+
+def test_spectrum_is_voxelised_with_the_colour_that_mitsuba_gives_it(scene):
+    [medium] = twin.read_media(twin.parse(scene(SPECTRUM), VARIANT))
+    loaded = mi.load_file(str(scene(SPECTRUM)))
+    own = mi.traverse(loaded)["fog.sigma_t.value.value"]
+    np.testing.assert_allclose(medium.sigma_t, 2 * np.array(own), rtol=1e-5)
 
 
 def test_camera_rays_pass_index_matched_boundaries(tmp_path):

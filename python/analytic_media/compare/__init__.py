@@ -46,6 +46,7 @@ def compare(options, output, command):
             "reference_seconds": options.reference_seconds,
             "spp": options.spp,
             "resolutions": list(options.resolutions),
+            "strategies": options.strategies,
         },
         "references": {
             mode: {str(medium): describe(r, of_mode) for medium, r in of_mode.items()}

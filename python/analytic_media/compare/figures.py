@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from .methods import EXACT, OURS
+from .methods import EXACT, TRACKED
 
 DPI = 110
 BLOCK = 8  # pixels along a side over which maps of bias are averaged
@@ -20,6 +20,12 @@ STYLE = {
     "axes.grid": True,
     "grid.alpha": 0.25,
     "legend.frameon": False,
+}
+STRATEGY_COLOURS = {
+    None: "#c8102e",
+    "single": "#f4a261",
+    "average": "#b5651d",
+    "tracking": "#d16ba5",
 }
 MARKERS = {"analyticvolpath": "o", "volpath": "s", "volpathmis": "^"}
 
@@ -102,17 +108,19 @@ def bias_maps(references):
 
 
 def colours(methods):
-    """Ours in red, delta tracking of the exact medium in black, a hue per grid."""
+    """Ours in red, our other strategies in lighter hues, delta tracking of the exact medium in
+    black, a hue per grid."""
     media = sorted({m["medium"] for m in methods.values() if isinstance(m["medium"], int)})
     hues = plt.get_cmap("viridis")(np.linspace(0.15, 0.75, max(len(media), 1)))
-    return {
-        key: "#c8102e"
-        if key == OURS.key
-        else "#222222"
-        if isinstance(m["medium"], str)
-        else hues[media.index(m["medium"])]
-        for key, m in methods.items()
-    }
+
+    def colour(method):
+        if method["medium"] == EXACT:
+            return STRATEGY_COLOURS[method["strategy"]]
+        if method["medium"] == TRACKED:
+            return "#222222"
+        return hues[media.index(method["medium"])]
+
+    return {key: colour(method) for key, method in methods.items()}
 
 
 def convergence(methods, against="mse"):

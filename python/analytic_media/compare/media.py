@@ -221,7 +221,11 @@ def wavelengths():
 
 
 def read_colour(props, key):
-    """A float or rgb property as an array of one or three numbers."""
+    """A float, rgb or spectrum property as an array of one or three numbers.
+
+    Three are red, green and blue in every variant: grids hold no more, and spectral variants of
+    `gridvolume` make smooth spectra of them again.
+    """
     if key not in props:
         if key not in DEFAULTS:
             raise SceneError(f"medium '{props.id()}': {key} is missing")
@@ -230,17 +234,22 @@ def read_colour(props, key):
     if kind in (mi.Properties.Type.Float, mi.Properties.Type.Integer):
         return np.array(float(props[key]))
     if kind == mi.Properties.Type.Color:
-        if not mi.is_rgb and len(set(props[key])) > 1:
-            raise SceneError(
-                f"medium '{props.id()}': chromatic {key} has a voxel twin in rgb variants only, "
-                f"not in {mi.variant()}"
-            )
         return np.array([float(c) for c in props[key]])
     if kind == mi.Properties.Type.Spectrum:
-        text = repr(props[key])
-        if "uniform=" in text:
-            return np.array(float(text.split("uniform=")[1].rstrip("]")))
-    raise SceneError(f"medium '{props.id()}': {key} must be a number or an rgb colour")
+        return rgb_of_spectrum(props[key], bounded=key == "albedo")
+    raise SceneError(
+        f"medium '{props.id()}': {key} must be a number, an rgb colour or a spectrum of wavelengths"
+    )
+
+
+def rgb_of_spectrum(spectrum, bounded):
+    """The colour that Mitsuba gives a spectrum in rgb variants: a uniform one has one number."""
+    if spectrum.is_uniform():
+        return np.array(spectrum.values[0])
+    colour = mi.spectrum_list_to_srgb(
+        spectrum.wavelengths, spectrum.values, bounded=bounded, d65=True
+    )
+    return np.array([float(c) for c in colour])
 
 
 def simplify(values):

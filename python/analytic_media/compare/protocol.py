@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from tqdm import tqdm
 
-from .methods import EXACT, OURS, colour_mode, methods_for, reference_integrator
+from .methods import EXACT, OURS, TRACKED, colour_mode, methods_for, reference_integrator
 from .statistics import Reference, efficiency, errors, spread
 from .worker import Job, Worker
 
@@ -33,7 +33,8 @@ class Options:
     """What to compare and how long. Times are process CPU seconds.
 
     `seconds` is spent by each method in each round, `reference_seconds` on each reference. With
-    `spp` set, every method renders that many samples per pixel in a round instead.
+    `spp` set, every method renders that many samples per pixel in a round instead. `strategies`
+    adds the other ways of our integrator to treat colour.
     """
 
     scene: str
@@ -43,6 +44,7 @@ class Options:
     seconds: float = 6.0
     reference_seconds: float = 45.0
     spp: int | None = None
+    strategies: bool = False
     parameters: dict = field(default_factory=dict)
 
 
@@ -113,7 +115,7 @@ def make_references(options, variant, is_grey, workers):
     media = [EXACT, *options.resolutions]
     for medium in tqdm(media, desc=f"references, {variant}", unit="image"):
         name, no_roulette = reference_integrator(medium, is_grey, variant)
-        renderer = Timed(workers.get(variant, medium), name, roulette=not no_roulette)
+        renderer = Timed(workers.get(variant, medium), {"type": name}, roulette=not no_roulette)
         renderer.climb(options.reference_seconds / 20)
         spp = options.spp * options.rounds if options.spp else None
         first, second = (renderer.image(options.reference_seconds / 2, spp) for _ in range(2))
@@ -141,15 +143,15 @@ class Image:
 class Timed:
     """One integrator of a worker, which learns what a sample costs."""
 
-    def __init__(self, worker, integrator, roulette=True):
-        self._worker, self._integrator, self._roulette = worker, integrator, roulette
+    def __init__(self, worker, plugin, roulette=True):
+        self._worker, self._plugin, self._roulette = worker, plugin, roulette
         self._seconds_per_sample = None
 
     def image(self, seconds, spp=None):
         """Render `spp` samples per pixel, or as many as take about `seconds` of CPU time."""
         if spp is None:
             spp = max(1, round(seconds / self._seconds_per_sample))
-        pixels, cpu, wall = self._worker.render(self._integrator, spp, self._roulette)
+        pixels, cpu, wall = self._worker.render(self._plugin, spp, self._roulette)
         self._seconds_per_sample = cpu / spp
         return Image(pixels, spp, cpu, wall)
 
@@ -167,9 +169,9 @@ class Timed:
 
 def run_variant(options, variant, references, workers):
     """All rounds of one variant: (numbers for summary.json, accumulated images)."""
-    methods = methods_for(variant, options.resolutions)
+    methods = methods_for(variant, options.resolutions, options.strategies)
     exact = references[EXACT]
-    timed = {m: Timed(workers.get(variant, m.medium), m.integrator) for m in methods}
+    timed = {m: Timed(workers.get(variant, m.medium), m.plugin) for m in methods}
     runs = {m: Run(references[m.converges_to], exact) for m in methods}
 
     steps = len(methods) * (options.rounds + 1)
@@ -227,6 +229,7 @@ class Run:
             "label": method.label,
             "integrator": method.integrator,
             "medium": method.medium,
+            "strategy": method.strategy,
             "ladder": self.ladder,
             "rounds": self.rounds,
             "accumulated": self.accumulated,
@@ -244,11 +247,10 @@ def efficiency_ratios(runs, kind):
         return np.array([efficiency(r, kind) for r in runs[method].rounds])
 
     ours = per_round(OURS)
-    stock = [m for m in runs if m != OURS]
-    ratios = {m.key: spread(ours / per_round(m)) for m in stock}
+    ratios = {m.key: spread(ours / per_round(m)) for m in runs if m != OURS}
     groups = {
-        "best_grid": [m for m in stock if m.uses_grid],
-        "best_tracking": [m for m in stock if not m.uses_grid],
+        "best_grid": [m for m in runs if m.uses_grid],
+        "best_tracking": [m for m in runs if m.medium == TRACKED],
     }
     for name, group in groups.items():
         if group:

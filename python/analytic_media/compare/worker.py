@@ -43,9 +43,12 @@ class Worker:
         remote.close()
         self._receive()  # the scene is loaded
 
-    def render(self, integrator, spp, roulette=True):
-        """(image (height, width, 3) of float32, process CPU seconds, wall seconds)."""
-        self._connection.send((integrator, spp, roulette))
+    def render(self, plugin, spp, roulette=True):
+        """(image (height, width, 3) of float32, process CPU seconds, wall seconds).
+
+        `plugin` is the integrator's dictionary; the scene's depths are added.
+        """
+        self._connection.send((plugin, spp, roulette))
         return self._receive()
 
     def close(self):
@@ -95,12 +98,12 @@ class _Renderer:
         self._seed = job.first_seed
         self._pixels = math.prod(int(n) for n in self._scene.sensors()[0].film().size())
 
-    def render(self, integrator, spp, roulette):
+    def render(self, plugin, spp, roulette):
         import numpy as np
 
         image, cpu, wall = 0.0, 0.0, 0.0
         for launch in self._launches(spp):
-            part, part_cpu, part_wall = self._timed(self._integrator(integrator, roulette), launch)
+            part, part_cpu, part_wall = self._timed(self._integrator(plugin, roulette), launch)
             image = image + np.asarray(part)[..., :3] * np.float32(launch / spp)
             cpu, wall = cpu + part_cpu, wall + part_wall
         return image, cpu, wall
@@ -120,12 +123,12 @@ class _Renderer:
         dr.sync_thread()
         return image, time.process_time() - cpu, time.perf_counter() - wall
 
-    def _integrator(self, name, roulette):
+    def _integrator(self, plugin, roulette):
         import mitsuba as mi
 
-        key = (name, roulette)
+        key = (*plugin.items(), roulette)
         if key not in self._integrators:
-            settings = {"type": name, **self._depths}
+            settings = plugin | self._depths
             if not roulette:
                 settings["rr_depth"] = _no_roulette(settings.get("max_depth", -1))
             self._integrators[key] = mi.load_dict(settings)
