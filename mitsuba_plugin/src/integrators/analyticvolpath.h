@@ -30,7 +30,7 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
 
  * - rr_depth
    - |int|
-   - Path depth after which Russian roulette may end a path. (Default: 5)
+   - Path depth after which Russian roulette may end a path. (Default: 2; stock integrators take 5)
 
  * - hide_emitters
    - |bool|
@@ -97,6 +97,9 @@ public:
     using FlightVariates = typename FormulaMedium<Float, Spectrum>::FlightVariates;
 
     AnalyticVolpathIntegrator(const Properties &props) : Base(props), m_rules(props) {
+        // Vertices behind which little is to come cost as much as others.
+        if (!props.has_property("rr_depth"))
+            m_rr_depth = DefaultRouletteDepth;
         int64_t samples = props.get<int64_t>("emitter_samples", 0);
         if (samples < 0 || samples > 64)
             Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
@@ -158,6 +161,7 @@ private:
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
+    static constexpr uint32_t DefaultRouletteDepth = 2;
     /// Colours or wavelengths of a path.
     static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
 
@@ -444,6 +448,14 @@ private:
             dr::masked(s.result, surface) *= si.to_world_mueller(through, si.wi, si.wi);
             Mask crosses = surface && si.is_medium_transition();
             dr::masked(s.medium, crosses) = si.target_medium(s.ray.d);
+            // Of dim rays only some are traced further.
+            const Float chance =
+                dr::minimum(dr::max(unpolarized_spectrum(s.result)) / DimTransmittance, 1.f);
+            const Mask dim = surface && chance < 1.f;
+            if (dr::any_or<true>(dim)) {
+                const Mask goes_on = !dim || s.sampler->next_1d(dim) < chance;
+                dr::masked(s.result, dim) *= dr::select(goes_on, dr::rcp(chance), 0.f);
+            }
         }
 
         Float step = dr::select(surface, si.t, s.ray.maxt);

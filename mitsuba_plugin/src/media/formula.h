@@ -120,7 +120,7 @@ public:
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, reach);
-        const Matter matter = scattering_matter(mi, active);
+        const Matter matter = this->matter(true, mi, active);
         Drawn drawn{ sampling(rules) };
         if (m_has_spectral_extinction && drawn.from == SpectralSampling::Mis)
             drawn.channel = choose_channel(channel_chances(throughput), u.event);
@@ -133,7 +133,7 @@ public:
         Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
                        false };
         if (dr::any_or<true>(collides))
-            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f), 1.f,
+            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f), 1.f,
                     throughput, u.kind, mi, collides);
         return flight;
     }
@@ -157,7 +157,7 @@ public:
         MI_MASKED_FUNCTION(ProfilerPhase::MediumSample, active);
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, reach);
-        Matter matter = scattering_matter(mi, active);
+        Matter matter = this->matter(true, mi, active);
         matter.find_columns(segment);
         const UnpolarizedSpectrum depth = matter.depth(),
                                   through = unabsorbed(segment, segment.length, mi, active);
@@ -192,7 +192,7 @@ public:
         Flight flight{ segment.near + t, through * passing_weight(drawn, start, depth),
                        through * dr::exp(-depth), false, false };
         if (dr::any_or<true>(collides))
-            collide(flight, rules, ray, segment, drawn, dr::select(collides, t, 0.f),
+            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
                     natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
         return flight;
     }
@@ -207,7 +207,7 @@ public:
         const Segment segment = inside(ray, reach);
         return unabsorbed(segment, segment.length, mi, active) *
                passing_weight(Drawn{ sampling(rules) }, channel_chances(throughput),
-                              depth_of(true, segment, segment.length, mi, active));
+                              matter(true, mi, active).depth(segment, segment.length));
     }
 
     /// Transmittance over the distance `t`, which may be infinite.
@@ -216,7 +216,7 @@ public:
         const MediumInteraction3f mi = interaction(ray);
         const Segment segment = inside(ray, t);
         return unabsorbed(segment, segment.length, mi, active) *
-               dr::exp(-depth_of(true, segment, segment.length, mi, active));
+               dr::exp(-matter(true, mi, active).depth(segment, segment.length));
     }
 
     MI_DECLARE_CLASS(FormulaMedium)
@@ -301,7 +301,7 @@ private:
         return dr::select(sigma_t > 0.f, sigma_t * column, 0.f);
     }
 
-    /// The components that scatter. Those that have no variate of their own are the last part.
+    /// Some of the components. Those that have no variate of their own are the last part.
     struct Matter {
         size_t count = 0;
         std::array<const Component *, MaxComponents> component;
@@ -322,6 +322,13 @@ private:
                 sum += times(sigma_t[i], column[i]);
             return sum;
         }
+        /// The optical depth over the distance `t`.
+        UnpolarizedSpectrum depth(const Segment &segment, const Float &t) const {
+            UnpolarizedSpectrum sum = 0.f;
+            for (size_t i = 0; i < count; ++i)
+                sum += times(sigma_t[i], component[i]->profile().column(segment.o, segment.d, t));
+            return sum;
+        }
         /// The optical depth of a part, of what flights are drawn from.
         Float depth(size_t part, const Drawn &drawn) const {
             Float sum = 0.f;
@@ -331,10 +338,11 @@ private:
         }
     };
 
-    Matter scattering_matter(const MediumInteraction3f &mi, Mask active) const {
+    /// The components that scatter, or those that do not.
+    Matter matter(bool scatters, const MediumInteraction3f &mi, Mask active) const {
         Matter matter;
         for (const ref<Component> &component : m_components) {
-            if (!component->scatters())
+            if (component->scatters() != scatters)
                 continue;
             matter.component[matter.count] = component.get();
             matter.sigma_t[matter.count++] = component->sigma_t(mi, active);
@@ -342,29 +350,12 @@ private:
         return matter;
     }
 
-    /// Of one component over the distance `t`.
-    static UnpolarizedSpectrum optical_depth(const UnpolarizedSpectrum &sigma_t,
-                                             const Component &component, const Segment &segment,
-                                             const Float &t) {
-        return times(sigma_t, component.profile().column(segment.o, segment.d, t));
-    }
-
-    /// Optical depth of what scatters, or of what does not.
-    UnpolarizedSpectrum depth_of(bool scattering, const Segment &segment, const Float &t,
-                                 const MediumInteraction3f &mi, Mask active) const {
-        UnpolarizedSpectrum depth = 0.f;
-        for (const ref<Component> &component : m_components)
-            if (component->scatters() == scattering)
-                depth += optical_depth(component->sigma_t(mi, active), *component, segment, t);
-        return depth;
-    }
-
     /// What gets past the components that do not scatter, over the distance `t`.
     UnpolarizedSpectrum unabsorbed(const Segment &segment, const Float &t,
                                    const MediumInteraction3f &mi, Mask active) const {
         if (!absorbs())
             return 1.f;
-        return dr::exp(-depth_of(false, segment, t, mi, active));
+        return dr::exp(-matter(false, mi, active).depth(segment, t));
     }
 
     /// 1 - exp(-depth), as precise for thin media.
@@ -446,12 +437,12 @@ private:
     /// Decides what a flight collides with at the distance `t`; `scarcity` is the probability of
     /// the model that it collides at all over that of the flight.
     void collide(Flight &flight, const FlightRules &rules, const Ray3f &ray, const Segment &segment,
-                 const Drawn &drawn, const Float &t, const Float &scarcity,
+                 const Matter &matter, const Drawn &drawn, const Float &t, const Float &scarcity,
                  const UnpolarizedSpectrum &throughput, const Float &u, MediumInteraction3f mi,
                  const Mask &active) const {
         mi.t = segment.near + t;
         mi.p = ray(mi.t);
-        const Coefficients at = coefficients(mi, active);
+        const Coefficients at = coefficients(matter, mi, active);
         UnpolarizedSpectrum weight = unabsorbed(segment, t, mi, active) * scarcity;
         Mask scatters = active, passes = false;
         if (drawn.from == SpectralSampling::Tracking) {
@@ -467,8 +458,7 @@ private:
             UnpolarizedSpectrum real = at.albedo;
             const UnpolarizedSpectrum start = channel_chances(throughput);
             if (m_has_spectral_extinction)
-                real *= over_probability(drawn, start, depth_of(true, segment, t, mi, active),
-                                         at.extinction);
+                real *= over_probability(drawn, start, matter.depth(segment, t), at.extinction);
             if (rules.analogue) {
                 const Float survival = dr::clip(dr::sum(start * real), 0.f, 1.f);
                 scatters &= u < survival;
@@ -502,23 +492,21 @@ private:
         UnpolarizedSpectrum padding() const { return dr::maximum(bound - extinction, 0.f); }
     };
 
-    Coefficients coefficients(const MediumInteraction3f &mi, Mask active) const {
+    Coefficients coefficients(const Matter &matter, const MediumInteraction3f &mi,
+                              Mask active) const {
         Coefficients at;
         if (m_components.size() == 1) {
             // Its density is the common factor, its albedo that of the at.
-            at.extinction = m_components[0]->sigma_t(mi, active);
-            at.albedo = m_components[0]->albedo(mi, active);
+            at.extinction = matter.sigma_t[0];
+            at.albedo = matter.component[0]->albedo(mi, active);
             at.bound = dr::max(at.extinction);
             return at;
         }
         UnpolarizedSpectrum scattering = 0.f;
-        for (const ref<Component> &component : m_components) {
-            if (!component->scatters())
-                continue;
-            const UnpolarizedSpectrum part =
-                component->sigma_t(mi, active) * component->density(mi.p);
+        for (size_t i = 0; i < matter.count; ++i) {
+            const UnpolarizedSpectrum part = matter.sigma_t[i] * matter.component[i]->density(mi.p);
             at.extinction += part;
-            scattering += part * component->albedo(mi, active);
+            scattering += part * matter.component[i]->albedo(mi, active);
             at.bound += dr::max(part);
         }
         at.albedo = dr::select(at.extinction > 0.f, scattering / at.extinction, 0.f);
