@@ -191,7 +191,7 @@ directions = pytest.mark.parametrize(
 def test_light_arrives_with_the_exact_transmittance(variant, profile, direction, light, sigma_t):
     """Absorbing fog between light and floor: no noise, so every pixel is a closed form."""
     # Where there are boundaries to pass, thick fog plays no roulette for shadow rays.
-    far_away = scenes.sphere([0, 0, 100], 1, bsdf={"type": "null"})
+    far_away = scenes.sphere([0, 0, -100], 1, bsdf={"type": "null"})
     extra = {"boundary": far_away} if sigma_t > 1 else {}
     got, bare, depth = render_shadow(profile, direction, light, sigma_t, extra)
     assert depth.max() > 0.3  # the fog does lie between

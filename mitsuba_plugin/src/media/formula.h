@@ -132,7 +132,7 @@ public:
 
         Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
                        false };
-        if (dr::any_or<true>(collides))
+        if (matter.count > 0 && dr::any_or<true>(collides))
             collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f), 1.f,
                     throughput, u.kind, mi, collides);
         return flight;
@@ -191,7 +191,7 @@ public:
 
         Flight flight{ segment.near + t, through * passing_weight(drawn, start, depth),
                        through * dr::exp(-depth), false, false };
-        if (dr::any_or<true>(collides))
+        if (matter.count > 0 && dr::any_or<true>(collides))
             collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
                     natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
         return flight;
