@@ -220,6 +220,8 @@ private:
         Survey found = survey<Float, Spectrum>(scene, medium);
         if (m_emitter_samples > 0)
             found.emitter_samples = m_emitter_samples;
+        // Where collisions bring no light, what is behind them need not be sampled.
+        found.sky &= m_max_depth > 1;
         return found;
     }
 
