@@ -355,6 +355,10 @@ def test_colour_of_one_component_is_colour_of_the_sum(variant):
 
 REFUSED = {
     "no component": ({"type": "overlap"}, "an overlap needs at least one nested medium"),
+    "too many components": (
+        {"type": "overlap"} | {f"fog{i}": LOW for i in range(17)},
+        "a medium must have at most 16 components, got 17",
+    ),
     "stock component": (
         {"type": "overlap", "fog": {"type": "homogeneous"}},
         '"fog" must be a medium of the type analytic, got HomogeneousMedium',

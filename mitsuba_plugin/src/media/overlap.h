@@ -17,7 +17,7 @@ Overlapping media (:monosp:`overlap`)
 
  * - (Nested plugins)
    - |medium|
-   - The components: :ref:`analytic <medium-analytic>` media, at least one, under any names. Each
+   - The components: :ref:`analytic <medium-analytic>` media, 1 to 16, under any names. Each
      has its profile, coefficients and phase function, but neither a box nor a sphere nor
      ``max_density``.
    - |exposed|, |differentiable|
