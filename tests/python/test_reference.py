@@ -204,6 +204,7 @@ def test_columns(arithmetic, report):
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_free_flights(arithmetic, report):
     selected, shifts = flights()
+
     def medium(row):
         mu = [component["mu"] for component in row["components"]]
         return am.Medium(zip(row["profiles"], mu, strict=True))
