@@ -54,7 +54,7 @@ def scene(integrator, medium, boundary=""):
 
 
 def integrator(name, extra=""):
-    depth = '<integer name="max_depth" value="32"/>'
+    depth = '<integer name="max_depth" value="32"/><integer name="rr_depth" value="5"/>'
     return f'<integrator type="{name}">{depth}{extra}</integrator>'
 
 
