@@ -113,6 +113,7 @@ public:
      * than variates are taken for one, whose optical depth is the sum of theirs.
      *
      * \param throughput  of the path so far: where a channel is sampled, it is chosen in proportion
+     *    to it
      */
     Flight sample_flight(const FlightRules &rules, const Ray3f &ray, const Float &reach,
                          const UnpolarizedSpectrum &throughput, const FlightVariates &u,
@@ -496,7 +497,7 @@ private:
                               Mask active) const {
         Coefficients at;
         if (m_components.size() == 1) {
-            // Its density is the common factor, its albedo that of the at.
+            // Its density is the common factor.
             at.extinction = matter.sigma_t[0];
             at.albedo = matter.component[0]->albedo(mi, active);
             at.bound = dr::max(at.extinction);

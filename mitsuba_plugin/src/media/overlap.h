@@ -50,8 +50,8 @@ Overlapping media (:monosp:`overlap`)
 The sum of several analytic media: fog over haze, or the gases and aerosols of an atmosphere. Light
 is attenuated by all components, and scattered by the one that it meets: the phase function is a
 mixture, weighted at every point and in every channel by what each component scatters there. The
-free-flight distance is that of the sum, by inversion of its optical depth. Stock integrators render
-the same medium by delta tracking.
+free-flight distance is that of the sum: the first collision of any component, each by its own
+inverse. Stock integrators render the same medium by delta tracking.
 
 .. tabs::
     .. code-tab:: xml
