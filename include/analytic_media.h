@@ -87,6 +87,90 @@ typedef uint32_t am_absorption;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// How the intensity of a light depends on the angle θ from its axis. Numbers are fixed for ever.
+enum am_light_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // 1 in all directions.
+  AM_LIGHT_KIND_ISOTROPIC = 0,
+  // cos θ to the power `exponent`, which is even: two lobes.
+  AM_LIGHT_KIND_LOBES = 1,
+  // max(0, cos θ) to the power `exponent`: one lobe.
+  AM_LIGHT_KIND_SPOT = 2,
+  // 1 up to `beam_width`, then linear in θ down to 0 at `cutoff_angle`, as the emitter `spot` of
+  // Mitsuba.
+  AM_LIGHT_KIND_CONE = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum am_light_kind am_light_kind;
+#else
+typedef uint32_t am_light_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Phase functions, of integral 1. Numbers are fixed for ever.
+enum am_phase_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // 1/(4π).
+  AM_PHASE_KIND_ISOTROPIC = 0,
+  // 3/(16π) (1 + cos² φ).
+  AM_PHASE_KIND_RAYLEIGH = 1,
+  // (1 − g²)/(4π) (1 + g² − 2g cos φ)^(−3/2): Henyey and Greenstein.
+  AM_PHASE_KIND_HENYEY_GREENSTEIN = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum am_phase_kind am_phase_kind;
+#else
+typedef uint32_t am_phase_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A point light of intensity 1 on its axis. Fields that the kind has no use for may hold anything.
+typedef struct am_light {
+  // Kind of light, from `am_light_kind`.
+  uint32_t kind;
+  // Of the cosine, 1 to 1024; even for lobes.
+  uint32_t exponent;
+  // Where the light is, lengths.
+  double position[3];
+  // Unit vector, the direction in which the light is brightest.
+  double axis[3];
+  // Angle from the axis where a cone ends, in (0, π/2), radians.
+  double cutoff_angle;
+  // Angle from the axis where a cone begins to fall, in [0, `cutoff_angle`], radians.
+  double beam_width;
+} am_light;
+
+// A phase function of the angle φ between the directions in which light arrives and leaves.
+typedef struct am_phase {
+  // Kind of phase function, from `am_phase_kind`.
+  uint32_t kind;
+  // Mean cosine, in (−1, 1), positive forward; for `AM_PHASE_KIND_HENYEY_GREENSTEIN` only.
+  double g;
+} am_phase;
+
+// A point light in a uniform medium that is everywhere between the light and the ray, in one or
+// more channels (wavelength, colour). It borrows the arrays.
+typedef struct am_airlight {
+  // The light.
+  struct am_light light;
+  // The phase function of the medium.
+  struct am_phase phase;
+  // Scattering coefficient of each channel, 1/length, ≥ 0.
+  const double *sigma_s;
+  // Extinction coefficient of each channel, 1/length, ≥ 0: of absorption and scattering.
+  const double *sigma_t;
+  // Number of channels, at least 1.
+  size_t n_channels;
+} am_airlight;
+
 // Numbers or points in the memory of the caller: item `i` starts at
 // `data[i * stride]`, and the three components of a point follow each other.
 typedef struct am_array_f64 {
@@ -160,6 +244,45 @@ typedef struct am_host_table {
   // a where the mask p is set, else b.
   am_node (*select)(void *tape, am_node p, am_node a, am_node b);
 } am_host_table;
+
+// A light whose numbers are slots of a host's tape. All of them must be slots, even those that the
+// kind has no use for.
+typedef struct am_light_nodes {
+  // Kind of light, from `am_light_kind`.
+  uint32_t kind;
+  // As `am_light.exponent`: a number, not a slot.
+  uint32_t exponent;
+  // Slots of the position.
+  am_node position[3];
+  // Slots of the axis.
+  am_node axis[3];
+  // Slot of the cutoff angle.
+  am_node cutoff_angle;
+  // Slot of the beam width.
+  am_node beam_width;
+} am_light_nodes;
+
+// A phase function whose number is a slot of a host's tape.
+typedef struct am_phase_nodes {
+  // Kind of phase function, from `am_phase_kind`.
+  uint32_t kind;
+  // Slot of the mean cosine, even if the kind has no use for it.
+  am_node g;
+} am_phase_nodes;
+
+// An `am_airlight` whose numbers are slots of a host's tape.
+typedef struct am_airlight_nodes {
+  // The light.
+  struct am_light_nodes light;
+  // The phase function of the medium.
+  struct am_phase_nodes phase;
+  // Slots of the scattering coefficients.
+  const am_node *sigma_s;
+  // Slots of the extinction coefficients.
+  const am_node *sigma_t;
+  // Number of channels, at least 1.
+  size_t n_channels;
+} am_airlight_nodes;
 
 // A parameter of a profile.
 typedef struct am_parameter {
@@ -256,6 +379,85 @@ const char *am_version(void);
 //
 // Never null; empty if no call has failed. Valid until the next call of this thread fails.
 const char *am_last_error(void);
+
+// Checks the numbers of an `am_airlight`. The question below checks counts, kinds, exponents and
+// pointers only: it answers a light or medium that does not pass with NaN or nonsense, but never
+// fails.
+//
+// # Safety
+// `airlight` points to one struct, and its arrays have the lengths that it says.
+am_status am_airlight_check(const struct am_airlight *airlight);
+
+// Air-light: radiance of a point light that the medium scatters once on the segment of a ray
+// from `t0` to `t1`, towards the point `t0`. One number per channel, per unit intensity of the
+// light on its axis: 1/length² per steradian; times W/sr it is W/(m² sr).
+//
+//     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
+//
+// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
+// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+//
+// Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
+// ray through the light has no finite radiance: its distance is kept at 1e-150, in single
+// precision 1e-18.
+// Source: Pegoraro, Schott, Parker (2009), Eq. 4; method: `docs/airlight.md`.
+//
+// # Safety
+// `airlight` points to one struct, `origin` and `direction` to three numbers, `radiance` to one
+// per channel.
+am_status am_airlight_radiance_f64(const struct am_airlight *airlight,
+                                   const double *origin,
+                                   const double *direction,
+                                   double t0,
+                                   double t1,
+                                   double *radiance);
+
+// `am_airlight_radiance_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_airlight_radiance_f32(const struct am_airlight *airlight,
+                                   const float *origin,
+                                   const float *direction,
+                                   float t0,
+                                   float t1,
+                                   float *radiance);
+
+// `am_airlight_radiance_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_airlight_radiance_batch_f64(const struct am_airlight *airlight,
+                                         size_t n,
+                                         struct am_array_f64 origin,
+                                         struct am_array_f64 direction,
+                                         struct am_array_f64 t0,
+                                         struct am_array_f64 t1,
+                                         double *radiance);
+
+// `am_airlight_radiance_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_airlight_radiance_batch_f32(const struct am_airlight *airlight,
+                                         size_t n,
+                                         struct am_array_f32 origin,
+                                         struct am_array_f32 direction,
+                                         struct am_array_f32 t0,
+                                         struct am_array_f32 t1,
+                                         float *radiance);
+
+// `am_airlight_radiance_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_airlight_radiance_record(const struct am_host_table *host,
+                                      const struct am_airlight_nodes *airlight,
+                                      const am_node *origin,
+                                      const am_node *direction,
+                                      am_node t0,
+                                      am_node t1,
+                                      am_node *radiance);
 
 // Extinction coefficient `sigma_a` + `sigma_s`, all in 1/length. Source: article, Eq. 1.
 //

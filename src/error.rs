@@ -1,5 +1,6 @@
 //! The one error of constructors: which argument, what it must be, what it was.
 
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
 /// An argument outside its range.
@@ -139,6 +140,18 @@ pub(crate) fn probability(argument: &'static str, value: f64) -> Result<f64, Err
 pub(crate) fn below_infinity(argument: &'static str, value: f64) -> Result<f64, Error> {
     let good = value < f64::INFINITY;
     check(argument, value, good, "must be a number < inf")
+}
+
+/// `value`, if it is an angle in radians of less than a quarter turn, and not nothing.
+pub(crate) fn acute(argument: &'static str, value: f64) -> Result<f64, Error> {
+    let good = value > 0.0 && value < FRAC_PI_2;
+    check(argument, value, good, "must be in (0, pi/2) radians")
+}
+
+/// `value`, if it is the mean cosine of a phase function that is smooth.
+pub(crate) fn asymmetry(argument: &'static str, value: f64) -> Result<f64, Error> {
+    let good = value.abs() < 1.0;
+    check(argument, value, good, "must be in (-1, 1)")
 }
 
 fn check(

@@ -24,6 +24,7 @@
 //! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] stands beside
 //! `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers.
 
+pub mod airlight;
 pub mod coefficients;
 pub mod error;
 pub mod ffi;

@@ -153,6 +153,11 @@ fn functions_of_spectra_have_their_values() {
 }
 
 #[test]
+fn airlight_has_its_values() {
+    conforms("tests/c/airlight.c");
+}
+
+#[test]
 fn recorded_questions_have_the_same_answers() {
     conforms("tests/c/record.c");
 }
@@ -188,6 +193,7 @@ fn no_function_is_forgotten() {
         "describe.c",
         "record.c",
         "planet.c",
+        "airlight.c",
         "spectral.c",
         "check.h",
     ]

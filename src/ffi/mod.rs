@@ -11,6 +11,7 @@
 //! * `_batch_f64`, `_batch_f32`: `n` rays from strided arrays, computed in SIMD lanes;
 //! * `_record`: operations on the tape of a host, see [`AmHostTable`].
 
+mod airlight;
 mod arg;
 mod array;
 mod coefficients;
@@ -25,6 +26,7 @@ mod spectral;
 mod status;
 
 pub use crate::real::node::{AmHostTable, AmNode};
+pub use airlight::*;
 pub use array::{AmArrayF32, AmArrayF64};
 pub use coefficients::*;
 pub use describe::*;

@@ -8,6 +8,8 @@
 //! precision, 10 points 1.3e-7 in single precision.
 
 use crate::real::Real;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// x_k, w_k of the rule with 10 points.
 const SINGLE: [(f64, f64); 10] = [
@@ -75,4 +77,40 @@ fn sum<R: Real, const N: usize>(
         length.lit(w) * factor(length * length.lit(x)) * decay[k]
     });
     length * terms.into_iter().fold(length.lit(0.0), |a, b| a + b)
+}
+
+/// x_k, w_k of the rule with `points` ≤ 64 points, computed at the first call: zeros of the Legendre
+/// polynomial by Newton's method, to 1e-15.
+///
+/// # Panics
+/// If there are no points, or more than 64.
+pub fn rule(points: usize) -> &'static [(f64, f64)] {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; 65] = [const { OnceLock::new() }; 65];
+    assert!((1..=64).contains(&points), "a rule has 1 to 64 points");
+    RULES[points].get_or_init(|| (0..points).map(|k| point(points, k)).collect())
+}
+
+/// Number k of n points on [0, 1], and its weight.
+fn point(n: usize, k: usize) -> (f64, f64) {
+    let mut x = -(PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
+    // Quadratic convergence from three digits.
+    for _ in 0..5 {
+        let (value, slope) = legendre(n, x);
+        x -= value / slope;
+    }
+    let (_, slope) = legendre(n, x);
+    (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
+}
+
+/// P_n(x) and its derivative.
+fn legendre(n: usize, x: f64) -> (f64, f64) {
+    let (mut before, mut value) = (1.0, x);
+    for k in 2..=n {
+        let k = k as f64;
+        (before, value) = (
+            value,
+            ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
+        );
+    }
+    (value, n as f64 * (x * value - before) / (x * x - 1.0))
 }

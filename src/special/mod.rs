@@ -9,6 +9,7 @@
 //! | [`chapman::chapman`] | column of a ray around a planet | z ≥ 0, all angles | 9e-14, 1e-6 |
 //! | [`decay::decay`] | ∫ e^(a − x²) g(x²) dx | Y ≥ 0 | 2e-14, 2e-7 |
 
+pub mod angle;
 pub mod approximations;
 pub mod arc;
 pub mod bessel;

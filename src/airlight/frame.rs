@@ -1,0 +1,101 @@
+//! A ray as the light sees it.
+
+use super::light::{Light, Toward};
+use super::phase::Deflection;
+use crate::geometry::{Ray, Vector, dot, norm};
+use crate::real::Real;
+
+/// Ray and light. Distances s along the ray are counted from the foot.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<R> {
+    /// h > 0: distance of the light from the ray, length.
+    pub height: R,
+    /// s of the point t = 0 of the ray: −x_h, length.
+    pub start: R,
+    /// d_el: cosine between the ray and the axis of the light.
+    pub axial: R,
+    /// h d_c: the foot as seen from the light, along its axis, length.
+    pub lateral: R,
+    /// The same two across the axis.
+    axial_across: Vector<R>,
+    lateral_across: Vector<R>,
+}
+
+fn cross<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+impl<R: Real> Frame<R> {
+    /// The frame of `ray` and `light`.
+    ///
+    /// A ray through the light has no finite radiance: h is kept at 1e-18 (f32) or 1e-150 (f64).
+    pub fn new(ray: &Ray<R>, light: &Light<R>) -> Self {
+        let offset: Vector<R> = std::array::from_fn(|i| light.position[i] - ray.origin[i]);
+        let along = dot(offset, ray.direction);
+        let foot = std::array::from_fn(|i| along.mul_add(ray.direction[i], -offset[i]));
+        let least = if along.digits() <= 24 { 1e-18 } else { 1e-150 };
+        Self {
+            height: norm(foot).max(along.lit(least)),
+            start: -along,
+            axial: dot(ray.direction, light.axis),
+            lateral: dot(foot, light.axis),
+            axial_across: cross(ray.direction, light.axis),
+            lateral_across: cross(foot, light.axis),
+        }
+    }
+
+    /// What stands for an infinite distance: its square is a number of the format.
+    pub(crate) fn far(&self) -> R {
+        let single = self.height.digits() <= 24;
+        self.height.lit(if single { 1e15 } else { 1e120 })
+    }
+
+    /// A square that is next to nothing.
+    pub(crate) fn least(&self) -> f64 {
+        if self.height.digits() <= 24 {
+            1e-36
+        } else {
+            1e-300
+        }
+    }
+
+    /// Square of the sine between the ray and the axis of the light.
+    pub(crate) fn oblique(&self) -> R {
+        dot(self.axial_across, self.axial_across)
+    }
+
+    /// √(h² + s²): distance from the light, length.
+    pub fn distance(&self, s: R) -> R {
+        s.mul_add(s, self.height * self.height).sqrt()
+    }
+
+    /// The angle at the light: a point beyond the foot (`sign` 1) or before it (−1), whose distance
+    /// from the light is D and s = ±`1 − w²` h/(2w), where w = h q = h/(D + |s|).
+    pub(crate) fn toward(&self, sign: R, q: R, w_square: R) -> Toward<R> {
+        let one = q.lit(1.0);
+        let norm = one / (one + w_square);
+        let (along, across) = (sign * (one - w_square) * norm, (q + q) * norm);
+        Toward {
+            cos: along.mul_add(self.axial, across * self.lateral),
+            across: std::array::from_fn(|i| {
+                along.mul_add(self.axial_across[i], across * self.lateral_across[i])
+            }),
+        }
+    }
+
+    /// The angle of scattering there: light that arrives before the foot goes on forward.
+    pub(crate) fn deflection(&self, sign: R, w_square: R) -> Deflection<R> {
+        let (zero, one) = (sign.lit(0.0), sign.lit(1.0));
+        let norm = one / (one + w_square);
+        let (near, far) = ((w_square + w_square) * norm, norm + norm);
+        let before = sign.lt(zero);
+        Deflection {
+            cos: -sign * (one - w_square) * norm,
+            from_forward: R::select(before, near, far),
+            from_backward: R::select(before, far, near),
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! Air-light: light of a point source that a uniform medium scatters once.
+
+use super::array::Array;
+use super::query::{
+    self, Model, RecordedModel, argument_check, argument_type, argument_value, queries,
+};
+use super::{AmArrayF32, AmArrayF64, AmHostTable, AmNode, AmStatus, Failure, arg, guard};
+use crate::airlight::AirLight;
+use crate::airlight::light::{Intensity, Light};
+use crate::airlight::phase::Phase;
+use crate::error::{self, Error};
+use crate::geometry::Ray;
+use crate::real::Real;
+use crate::real::lanes::{F32Lanes, F64Lanes, Lanes};
+use crate::real::node::Node;
+
+/// How the intensity of a light depends on the angle θ from its axis. Numbers are fixed for ever.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum AmLightKind {
+    /// 1 in all directions.
+    Isotropic = 0,
+    /// cos θ to the power `exponent`, which is even: two lobes.
+    Lobes = 1,
+    /// max(0, cos θ) to the power `exponent`: one lobe.
+    Spot = 2,
+    /// 1 up to `beam_width`, then linear in θ down to 0 at `cutoff_angle`, as the emitter `spot` of
+    /// Mitsuba.
+    Cone = 3,
+}
+
+/// Phase functions, of integral 1. Numbers are fixed for ever.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum AmPhaseKind {
+    /// 1/(4π).
+    Isotropic = 0,
+    /// 3/(16π) (1 + cos² φ).
+    Rayleigh = 1,
+    /// (1 − g²)/(4π) (1 + g² − 2g cos φ)^(−3/2): Henyey and Greenstein.
+    HenyeyGreenstein = 2,
+}
+
+/// A point light of intensity 1 on its axis. Fields that the kind has no use for may hold anything.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmLight {
+    /// Kind of light, from `am_light_kind`.
+    pub kind: u32,
+    /// Of the cosine, 1 to 1024; even for lobes.
+    pub exponent: u32,
+    /// Where the light is, lengths.
+    pub position: [f64; 3],
+    /// Unit vector, the direction in which the light is brightest.
+    pub axis: [f64; 3],
+    /// Angle from the axis where a cone ends, in (0, π/2), radians.
+    pub cutoff_angle: f64,
+    /// Angle from the axis where a cone begins to fall, in [0, `cutoff_angle`], radians.
+    pub beam_width: f64,
+}
+
+/// A light whose numbers are slots of a host's tape. All of them must be slots, even those that the
+/// kind has no use for.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmLightNodes {
+    /// Kind of light, from `am_light_kind`.
+    pub kind: u32,
+    /// As `am_light.exponent`: a number, not a slot.
+    pub exponent: u32,
+    /// Slots of the position.
+    pub position: [AmNode; 3],
+    /// Slots of the axis.
+    pub axis: [AmNode; 3],
+    /// Slot of the cutoff angle.
+    pub cutoff_angle: AmNode,
+    /// Slot of the beam width.
+    pub beam_width: AmNode,
+}
+
+/// A phase function of the angle φ between the directions in which light arrives and leaves.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmPhase {
+    /// Kind of phase function, from `am_phase_kind`.
+    pub kind: u32,
+    /// Mean cosine, in (−1, 1), positive forward; for `AM_PHASE_KIND_HENYEY_GREENSTEIN` only.
+    pub g: f64,
+}
+
+/// A phase function whose number is a slot of a host's tape.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmPhaseNodes {
+    /// Kind of phase function, from `am_phase_kind`.
+    pub kind: u32,
+    /// Slot of the mean cosine, even if the kind has no use for it.
+    pub g: AmNode,
+}
+
+/// A point light in a uniform medium that is everywhere between the light and the ray, in one or
+/// more channels (wavelength, colour). It borrows the arrays.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmAirlight {
+    /// The light.
+    pub light: AmLight,
+    /// The phase function of the medium.
+    pub phase: AmPhase,
+    /// Scattering coefficient of each channel, 1/length, ≥ 0.
+    pub sigma_s: *const f64,
+    /// Extinction coefficient of each channel, 1/length, ≥ 0: of absorption and scattering.
+    pub sigma_t: *const f64,
+    /// Number of channels, at least 1.
+    pub n_channels: usize,
+}
+
+/// An `am_airlight` whose numbers are slots of a host's tape.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct AmAirlightNodes {
+    /// The light.
+    pub light: AmLightNodes,
+    /// The phase function of the medium.
+    pub phase: AmPhaseNodes,
+    /// Slots of the scattering coefficients.
+    pub sigma_s: *const AmNode,
+    /// Slots of the extinction coefficients.
+    pub sigma_t: *const AmNode,
+    /// Number of channels, at least 1.
+    pub n_channels: usize,
+}
+
+fn unknown(rule: &str, number: u32) -> Failure {
+    Failure::new(AmStatus::InvalidArgument, format!("{rule}, got {number}"))
+}
+
+/// The intensity of a light of `kind`.
+fn intensity<R>(
+    kind: u32,
+    exponent: u32,
+    [cutoff_angle, beam_width]: [R; 2],
+) -> Result<Intensity<R>, Failure> {
+    const ISOTROPIC: u32 = AmLightKind::Isotropic as u32;
+    const LOBES: u32 = AmLightKind::Lobes as u32;
+    const SPOT: u32 = AmLightKind::Spot as u32;
+    const CONE: u32 = AmLightKind::Cone as u32;
+    let whole = |reason, good: bool| {
+        if good {
+            return Ok(());
+        }
+        Err(Error::new("light.exponent", reason, exponent))
+    };
+    match kind {
+        ISOTROPIC => Ok(Intensity::Isotropic),
+        LOBES => {
+            let even = (2..=1024).contains(&exponent) && exponent % 2 == 0;
+            whole("must be even and in [2, 1024]", even)?;
+            Ok(Intensity::Lobes { exponent })
+        }
+        SPOT => {
+            whole("must be in [1, 1024]", (1..=1024).contains(&exponent))?;
+            Ok(Intensity::Spot { exponent })
+        }
+        CONE => Ok(Intensity::Cone {
+            cutoff_angle,
+            beam_width,
+        }),
+        _ => Err(unknown("light.kind must be one of am_light_kind", kind)),
+    }
+}
+
+/// The phase function of `kind`.
+fn phase<R>(kind: u32, g: R) -> Result<Phase<R>, Failure> {
+    const ISOTROPIC: u32 = AmPhaseKind::Isotropic as u32;
+    const RAYLEIGH: u32 = AmPhaseKind::Rayleigh as u32;
+    const HENYEY_GREENSTEIN: u32 = AmPhaseKind::HenyeyGreenstein as u32;
+    match kind {
+        ISOTROPIC => Ok(Phase::Isotropic),
+        RAYLEIGH => Ok(Phase::Rayleigh),
+        HENYEY_GREENSTEIN => Ok(Phase::HenyeyGreenstein { g }),
+        _ => Err(unknown("phase.kind must be one of am_phase_kind", kind)),
+    }
+}
+
+impl AmLight {
+    fn lift<R>(&self, lift: impl Fn(f64) -> R) -> Result<Light<R>, Failure> {
+        let angles = [self.cutoff_angle, self.beam_width].map(&lift);
+        Ok(Light {
+            position: self.position.map(&lift),
+            axis: self.axis.map(&lift),
+            intensity: intensity(self.kind, self.exponent, angles)?,
+        })
+    }
+
+    /// Checks the numbers that the kind uses.
+    fn check(&self) -> Result<(), Failure> {
+        error::finite_vector("light.position", self.position)?;
+        match self.lift(|x| x)?.intensity {
+            Intensity::Isotropic => return Ok(()),
+            Intensity::Lobes { .. } | Intensity::Spot { .. } => {}
+            Intensity::Cone {
+                cutoff_angle,
+                beam_width,
+            } => {
+                error::acute("light.cutoff_angle", cutoff_angle)?;
+                if !(0.0..=cutoff_angle).contains(&beam_width) {
+                    let reason = "must be in [0, cutoff_angle]";
+                    return Err(Error::new("light.beam_width", reason, beam_width).into());
+                }
+            }
+        }
+        error::unit("light.axis", self.axis)?;
+        Ok(())
+    }
+}
+
+impl AmLightNodes {
+    fn lift<'h>(&self, host: &'h AmHostTable) -> Result<Light<Node<'h>>, Failure> {
+        let node = |slot| Node::new(host, slot);
+        let angles = [self.cutoff_angle, self.beam_width].map(node);
+        Ok(Light {
+            position: self.position.map(node),
+            axis: self.axis.map(node),
+            intensity: intensity(self.kind, self.exponent, angles)?,
+        })
+    }
+}
+
+impl AmAirlight {
+    /// Scattering and extinction coefficients.
+    fn coefficients(&self) -> Result<[&[f64]; 2], Failure> {
+        arg::count(self.n_channels, "n_channels")?;
+        // SAFETY: promised by the caller who made the struct.
+        unsafe {
+            Ok([
+                arg::slice(self.sigma_s, self.n_channels, "sigma_s")?,
+                arg::slice(self.sigma_t, self.n_channels, "sigma_t")?,
+            ])
+        }
+    }
+}
+
+impl Model for AmAirlight {
+    type In<R: Real> = AirLight<R>;
+
+    fn check(&self) -> Result<(), Failure> {
+        self.coefficients()?;
+        self.light.lift(|x| x)?;
+        phase(self.phase.kind, self.phase.g).map(drop)
+    }
+
+    fn lift<R: Real>(&self, lift: impl Fn(f64) -> R) -> AirLight<R> {
+        let checked = "the model has been checked";
+        let [sigma_s, sigma_t] = self.coefficients().ok().expect(checked);
+        AirLight {
+            light: self.light.lift(&lift).ok().expect(checked),
+            phase: phase(self.phase.kind, lift(self.phase.g))
+                .ok()
+                .expect(checked),
+            sigma_s: sigma_s.iter().map(|s| lift(*s)).collect(),
+            sigma_t: sigma_t.iter().map(|s| lift(*s)).collect(),
+        }
+    }
+}
+
+impl RecordedModel for AmAirlightNodes {
+    type In<R: Real> = AirLight<R>;
+
+    unsafe fn nodes<'h>(&self, host: &'h AmHostTable) -> Result<AirLight<Node<'h>>, Failure> {
+        arg::count(self.n_channels, "n_channels")?;
+        // SAFETY: promised by the caller.
+        let (sigma_s, sigma_t) = unsafe {
+            (
+                arg::slice(self.sigma_s, self.n_channels, "sigma_s")?,
+                arg::slice(self.sigma_t, self.n_channels, "sigma_t")?,
+            )
+        };
+        let nodes = |slots: &[AmNode]| slots.iter().map(|slot| Node::new(host, *slot)).collect();
+        Ok(AirLight {
+            light: self.light.lift(host)?,
+            phase: phase(self.phase.kind, Node::new(host, self.phase.g))?,
+            sigma_s: nodes(sigma_s),
+            sigma_t: nodes(sigma_t),
+        })
+    }
+}
+
+/// Checks the numbers of an `am_airlight`. The question below checks counts, kinds, exponents and
+/// pointers only: it answers a light or medium that does not pass with NaN or nonsense, but never
+/// fails.
+///
+/// # Safety
+/// `airlight` points to one struct, and its arrays have the lengths that it says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn am_airlight_check(airlight: *const AmAirlight) -> AmStatus {
+    guard(|| {
+        // SAFETY: promised by the caller.
+        let airlight = unsafe { arg::reference(airlight, "airlight") }?;
+        let [sigma_s, sigma_t] = airlight.coefficients()?;
+        airlight.light.check()?;
+        if let Phase::HenyeyGreenstein { g } = phase(airlight.phase.kind, airlight.phase.g)? {
+            error::asymmetry("phase.g", g)?;
+        }
+        for (s, t) in sigma_s.iter().zip(sigma_t) {
+            error::not_negative("sigma_s", *s)?;
+            error::not_negative("sigma_t", *t)?;
+        }
+        Ok(())
+    })
+}
+
+queries! { AmAirlight, AmAirlightNodes;
+    /// Air-light: radiance of a point light that the medium scatters once on the segment of a ray
+    /// from `t0` to `t1`, towards the point `t0`. One number per channel, per unit intensity of the
+    /// light on its axis: 1/length² per steradian; times W/sr it is W/(m² sr).
+    ///
+    ///     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
+    ///
+    /// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
+    /// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+    ///
+    /// Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
+    /// ray through the light has no finite radiance: its distance is kept at 1e-150, in single
+    /// precision 1e-18.
+    /// Source: Pegoraro, Schott, Parker (2009), Eq. 4; method: `docs/airlight.md`.
+    ///
+    /// # Safety
+    /// `airlight` points to one struct, `origin` and `direction` to three numbers, `radiance` to one
+    /// per channel.
+    am_airlight_radiance_f64 am_airlight_radiance_f32
+    am_airlight_radiance_batch_f64 am_airlight_radiance_batch_f32 am_airlight_radiance_record
+    |airlight: AirLight, origin: point, direction: point, t0: number, t1: number| -> (radiance)
+    [] results => { results.extend(airlight.radiance(&Ray { origin, direction }, t0, t1)); }
+}
