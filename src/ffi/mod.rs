@@ -23,6 +23,7 @@ mod query;
 mod special;
 mod spectral;
 mod status;
+mod sunlit;
 
 pub use crate::real::node::{AmHostTable, AmNode};
 pub use array::{AmArrayF32, AmArrayF64};
@@ -34,6 +35,7 @@ pub use profile::*;
 pub use special::*;
 pub use spectral::*;
 pub use status::*;
+pub use sunlit::*;
 
 use crate::error::Error;
 use std::cell::RefCell;
