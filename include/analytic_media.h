@@ -359,6 +359,31 @@ typedef struct am_medium_nodes {
   size_t n_channels;
 } am_medium_nodes;
 
+// A fog in the sun: a constant or exponential profile with coefficients per channel
+// (wavelength, colour). It borrows the arrays.
+typedef struct am_sunlit_fog {
+  // The profile, of the kind "constant" or "exponential".
+  struct am_profile profile;
+  // Scattering coefficients at relative density 1, 1/length, ≥ 0, one per channel.
+  const double *sigma_s;
+  // Attenuation coefficients at relative density 1, 1/length, ≥ 0, one per channel.
+  const double *sigma_t;
+  // Number of channels, at least 1.
+  size_t n_channels;
+} am_sunlit_fog;
+
+// A fog in the sun whose numbers are slots of a host's tape.
+typedef struct am_sunlit_fog_nodes {
+  // The profile.
+  struct am_profile_nodes profile;
+  // Slots of the scattering coefficients.
+  const am_node *sigma_s;
+  // Slots of the attenuation coefficients.
+  const am_node *sigma_t;
+  // Number of channels, at least 1.
+  size_t n_channels;
+} am_sunlit_fog_nodes;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -3440,6 +3465,91 @@ am_status am_hero_probabilities_record(const struct am_host_table *host,
 // What a status means, in a few words. Never null; the string lives for ever.
 // Numbers that are no status give "unknown status".
 const char *am_status_message(int32_t status);
+
+// Checks profile and coefficients of a fog. The question below checks counts, kinds and
+// pointers only: it answers a fog that does not pass with NaN or nonsense, but never fails.
+//
+// # Safety
+// `fog` points to one struct, and its arrays have `n_channels` numbers.
+am_status am_sunlit_fog_check(const struct am_sunlit_fog *fog);
+
+// Radiance of the fog in the sun, seen from the origin along the segment of length `t`
+// (0 ≤ `t` ≤ ∞): light that is scattered once, per unit of the irradiance of a surface
+// perpendicular to it; 1/sr, one per channel. It may be infinite where a channel is clear.
+//
+// `direction` is that of the ray and `sun_direction` that towards the sun, unit vectors.
+// `phase` is the value of the phase function at the angle between them, 1/sr: looking
+// into the sun is forward scattering. In an exponential profile the light comes from
+// beyond the fog; from a sun at the horizon or below it none is left, and the radiance is
+// 0 (unless the attenuation coefficient is). A constant profile has no end, and there the
+// irradiance is that at the origin of the ray. Nothing but the fog is in the way of light.
+//
+// Relative error below 1e-15 (1 + τ + |h|/H), in single precision 5e-7 (1 + τ + |h|/H). τ is
+// the optical depth of the way from the sun to the origin or, if less, over the far end of
+// the segment; h/H are the altitudes of its ends in scale heights.
+// Source: docs/airlight.md.
+//
+// # Safety
+// `fog` points to one struct, `origin`, `direction` and `sun_direction` to three numbers,
+// `radiance` to one per channel.
+am_status am_sunlit_fog_radiance_f64(const struct am_sunlit_fog *fog,
+                                     const double *origin,
+                                     const double *direction,
+                                     double t,
+                                     const double *sun_direction,
+                                     double phase,
+                                     double *radiance);
+
+// `am_sunlit_fog_radiance_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sunlit_fog_radiance_f32(const struct am_sunlit_fog *fog,
+                                     const float *origin,
+                                     const float *direction,
+                                     float t,
+                                     const float *sun_direction,
+                                     float phase,
+                                     float *radiance);
+
+// `am_sunlit_fog_radiance_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_batch_f64(const struct am_sunlit_fog *fog,
+                                           size_t n,
+                                           struct am_array_f64 origin,
+                                           struct am_array_f64 direction,
+                                           struct am_array_f64 t,
+                                           struct am_array_f64 sun_direction,
+                                           struct am_array_f64 phase,
+                                           double *radiance);
+
+// `am_sunlit_fog_radiance_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_batch_f32(const struct am_sunlit_fog *fog,
+                                           size_t n,
+                                           struct am_array_f32 origin,
+                                           struct am_array_f32 direction,
+                                           struct am_array_f32 t,
+                                           struct am_array_f32 sun_direction,
+                                           struct am_array_f32 phase,
+                                           float *radiance);
+
+// `am_sunlit_fog_radiance_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sunlit_fog_radiance_record(const struct am_host_table *host,
+                                        const struct am_sunlit_fog_nodes *fog,
+                                        const am_node *origin,
+                                        const am_node *direction,
+                                        am_node t,
+                                        const am_node *sun_direction,
+                                        am_node phase,
+                                        am_node *radiance);
 
 #ifdef __cplusplus
 }  // extern "C"

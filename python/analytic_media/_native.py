@@ -182,6 +182,14 @@ def medium(profiles: Sequence[Model], sigma_t: np.ndarray) -> Model:
     return Model("medium", pointer, (structs, numbers))
 
 
+def sunlit_fog(profile: Model, sigma_s: np.ndarray, sigma_t: np.ndarray) -> Model:
+    """A fog in the sun; coefficients have the shape (channels,). ValueError if bad."""
+    numbers = [_ffi.new("double[]", sigma.tolist()) for sigma in (sigma_s, sigma_t)]
+    pointer = _ffi.new("am_sunlit_fog *", [profile.pointer[0], *numbers, len(sigma_t)])
+    _check(_lib.am_sunlit_fog_check(pointer))
+    return Model("sunlit_fog", pointer, tuple(numbers))
+
+
 def planet(center: Sequence[float], radius: float) -> Model:
     """A sphere that altitudes are counted from; ValueError if bad."""
     pointer = _ffi.new("am_planet *", [list(center), radius])
@@ -255,6 +263,15 @@ class Recording:
         slots = _ffi.new("am_node[]", [self._put(value) for row in sigma_t for value in row])
         pointer = _ffi.new("am_medium_nodes *", [structs, slots, len(sigma_t), len(sigma_t[0])])
         return Model("medium", pointer, (structs, slots))
+
+    def sunlit_fog(self, profile: Model, sigma_s: Sequence, sigma_t: Sequence) -> Model:
+        """A fog in the sun; coefficients are values of the host, one per channel."""
+        slots = [
+            _ffi.new("am_node[]", [self._put(value) for value in sigma])
+            for sigma in (sigma_s, sigma_t)
+        ]
+        fields = [profile.pointer[0], *slots, len(sigma_t)]
+        return Model("sunlit_fog", _ffi.new("am_sunlit_fog_nodes *", fields), tuple(slots))
 
     def ask(
         self, model: Model | None, question: str, inputs: Sequence, outputs: int, width: int

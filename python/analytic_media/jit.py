@@ -19,6 +19,7 @@ or meaningless.
 Another library takes part as a `Host`, for example `Host(np, np.float64, digits=53)`.
 """
 
+import math
 import operator
 import sys
 from collections.abc import Callable, Iterable, Sequence
@@ -204,6 +205,41 @@ class Medium:
         width = 1 if single else len(self._sigma_t[0])
         results = recording.ask(model, question, lifted, outputs, width)
         return tuple(r[0] if single or self._scalar else r for r in results)
+
+
+def sunlit_fog(
+    profile: Profile | profiles.Profile,
+    sigma_s: Array | Sequence[Array],
+    sigma_t: Array | Sequence[Array],
+    eye: Point,
+    direction: Point,
+    t: Array,
+    sun_direction: Point,
+    phase: Array | Callable = 1 / (4 * math.pi),
+    *,
+    host: Host | None = None,
+) -> Array | list[Array]:
+    """`analytic_media.sunlit_fog`, answered by a host; with channels a list, one array each.
+
+    A callable `phase` gets the cosine as an array of the host.
+    """
+    part = profile if isinstance(profile, Profile) else Profile(profile)
+    sigmas = {"sigma_s": _components(sigma_s), "sigma_t": _components(sigma_t)}
+    if len({None if row is None else len(row) for row in sigmas.values()}) != 1:
+        raise ValueError("sigma_s and sigma_t must have the same number of channels")
+    scalar = sigmas["sigma_t"] is None
+    scattering, attenuation = ([sigma_s], [sigma_t]) if scalar else sigmas.values()
+    o, d, length = _point("eye", eye), _point("direction", direction), _number("t", t)
+    sun = _point("sun_direction", sun_direction)
+    value = phase(sum(a * b for a, b in zip(d, sun, strict=True))) if callable(phase) else phase
+    inputs = [o, d, length, sun, _number("phase", value)]
+    host = host or part._host or _drjit_host(chain(part._flat(), scattering, attenuation, *inputs))
+    recording = _native.Recording(host)
+    lifted = recording.profile(part._kind.number, _lift(host, part._flat()))
+    model = recording.sunlit_fog(lifted, _lift(host, scattering), _lift(host, attenuation))
+    arguments = [_lift(host, i) for i in inputs]
+    (radiance,) = recording.ask(model, "radiance", arguments, 1, len(attenuation))
+    return radiance[0] if scalar else radiance
 
 
 def special(function: str, *arguments: Array, host: Host | None = None) -> Array:

@@ -16,13 +16,14 @@
 //! | v/h, −w/h | `q` | 1/length | half the angle at the light, see [`piece`] |
 //!
 //! Map: [`phase`], [`light`] ← [`frame`] (ray and light) ← [`piece`] (the variable of integration) ←
-//! [`quadrature`].
+//! [`quadrature`]. [`sunlit`] is directional light, which needs none of them.
 
 pub mod frame;
 pub mod light;
 pub mod phase;
 pub mod piece;
 pub mod quadrature;
+pub mod sunlit;
 
 use crate::geometry::Ray;
 use crate::real::Real;

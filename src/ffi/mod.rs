@@ -24,6 +24,7 @@ mod query;
 mod special;
 mod spectral;
 mod status;
+mod sunlit;
 
 pub use crate::real::node::{AmHostTable, AmNode};
 pub use airlight::*;
@@ -36,6 +37,7 @@ pub use profile::*;
 pub use special::*;
 pub use spectral::*;
 pub use status::*;
+pub use sunlit::*;
 
 use crate::error::Error;
 use std::cell::RefCell;

@@ -74,7 +74,7 @@ impl Exponential<f64> {
 
 impl<R: Real> Exponential<R> {
     /// ρ at an altitude, which may be infinite.
-    fn at(&self, altitude: R) -> R {
+    pub(crate) fn at(&self, altitude: R) -> R {
         (-climb(self.falloff, altitude)).exp()
     }
 }
