@@ -3282,9 +3282,9 @@ am_status am_sunlit_fog_check(const struct am_sunlit_fog *fog);
 // 0 (unless the attenuation coefficient is). A constant profile has no end, and there the
 // irradiance is that at the origin of the ray. Nothing but the fog is in the way of light.
 //
-// Relative error below 1e-15 (1 + optical depth), in single precision 5e-7 (1 + optical
-// depth), where that is the optical depth of the way from the sun to the origin or, if
-// less, over the far end of the segment; times the condition of altitudes.
+// Relative error below 1e-15 (1 + τ + |h|/H), in single precision 5e-7 (1 + τ + |h|/H). τ is
+// the optical depth of the way from the sun to the origin or, if less, over the far end of
+// the segment; h/H are the altitudes of its ends in scale heights.
 // Source: docs/airlight.md.
 //
 // # Safety
