@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -27,9 +28,11 @@ def shadowed(scene, rng):
     end = np.minimum(np.array(hit.t), 60)
     point = ray(mi.Float((0.999 * end * rng.random(n)).astype(np.float32)))
     blocked = np.zeros(n, bool)
+    here = dr.zeros(mi.Interaction3f)
+    here.p = point
     for light in scene.emitters():
-        way = light.world_transform().translation() - point
-        shadow = mi.Ray3f(point, way, 1 - 1e-4, 0.0, mi.Color0f())
+        there, _ = light.sample_direction(here, mi.Point2f(0.5))
+        shadow = mi.Ray3f(point, there.d, 0.9999 * there.dist, 0.0, mi.Color0f())
         blocked |= np.array(scene.ray_test(shadow))
     return blocked.mean()
 
