@@ -10,11 +10,11 @@
 
 use super::AirLight;
 use super::frame::Frame;
-use super::light::Lit;
 use super::phase::PhaseFunction;
 use super::piece::Piece;
+use super::segment::pieces;
 use crate::geometry::Ray;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::special::gauss_legendre::rule;
 use crate::special::rel::psi;
 
@@ -64,7 +64,10 @@ pub fn radiance_by<R: Real, P: PhaseFunction<R>>(
         sigma_t: air.sigma_t.iter().fold(first_sigma, |a, b| a.min(*b)),
         sums: vec![zero; air.sigma_t.len()],
     };
-    integral.segment(t0, t1);
+    let intensity = air.light.intensity;
+    pieces(&frame, &intensity, t0, t1, |sign, ends, length, before| {
+        integral.piece(zero.lit(sign), ends, length, before);
+    });
     let scatter = |(sum, sigma): (R, &R)| sum * *sigma;
     integral
         .sums
@@ -75,48 +78,6 @@ pub fn radiance_by<R: Real, P: PhaseFunction<R>>(
 }
 
 impl<R: Real, P: PhaseFunction<R>> Integral<'_, R, P> {
-    /// Adds all pieces of the segment.
-    fn segment(&mut self, t0: R, t1: R) {
-        let zero = t0.lit(0.0);
-        let far = self.frame.far();
-        // A length, not a difference of distances from the foot, so that a short one is exact.
-        let length = (t1.min(far) - t0).max(zero);
-        let from = t0 + self.frame.start;
-        let intensity = self.air.light.intensity;
-        let Lit { first, last, kinks } = intensity.lit(&self.frame, from, from + length);
-        let clip = |s: R| s.max(first).min(last);
-        let foot = clip(zero);
-        // Whatever the light does not cut off keeps the exact ends.
-        let way = |s: R| {
-            let way = R::select(s.le(from), zero, s - from);
-            R::select((from + length).le(s), length, way)
-        };
-        let mut add = |sign: f64, a: R, b: R| {
-            let (before, after) = (way(a), way(b));
-            let some = before.lt(after);
-            if !some.any() {
-                return;
-            }
-            self.piece(zero.lit(sign), [a, b], (after - before).max(zero), before);
-        };
-        match kinks {
-            None => {
-                add(-1.0, first, foot);
-                add(1.0, foot, last);
-            }
-            Some((begin, end)) => {
-                let (low, high) = (begin.min(foot), end.min(foot));
-                add(-1.0, first, low);
-                add(-1.0, low, high);
-                add(-1.0, high, foot);
-                let (low, high) = (begin.max(foot), end.max(foot));
-                add(1.0, foot, low);
-                add(1.0, low, high);
-                add(1.0, high, last);
-            }
-        }
-    }
-
     /// Optical depth beyond which nothing counts, even where a light begins with cosᵖ.
     fn depth(&self) -> f64 {
         let exponent = f64::from(self.air.light.intensity.exponent());
