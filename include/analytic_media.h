@@ -394,8 +394,9 @@ am_status am_airlight_check(const struct am_airlight *airlight);
 //
 //     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
 //
-// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
-// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+// `direction` is a unit vector away from the eye, `t0` is finite, `t1` may be infinite; the
+// radiance is 0 where `t1` ≤ `t0`. What lies in front of `t0` does not count: multiply by its
+// transmittance. Nothing casts a shadow.
 //
 // Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
 // ray through the light has no finite radiance: its distance is kept at 1e-150, in single
@@ -458,6 +459,23 @@ am_status am_airlight_radiance_record(const struct am_host_table *host,
                                       am_node t0,
                                       am_node t1,
                                       am_node *radiance);
+
+// `am_airlight_radiance_f64` with a phase function of the caller in place of `airlight.phase`:
+// `phase(cosine, data)` is called up to 64 times for each part of the ray that the light does not
+// divide, with cosines in [−1, 1] (1 is forward). Its integral over the sphere is 1.
+//
+// Relative error 1e-9 for functions as smooth as Henyey and Greenstein's with |g| ≤ 0.95.
+//
+// # Safety
+// As for `am_airlight_radiance_f64`; `phase` must not unwind.
+am_status am_airlight_radiance_with_phase(const struct am_airlight *airlight,
+                                          double (*phase)(double cosine, void *data),
+                                          void *data,
+                                          const double *origin,
+                                          const double *direction,
+                                          double t0,
+                                          double t1,
+                                          double *radiance);
 
 // Extinction coefficient `sigma_a` + `sigma_s`, all in 1/length. Source: article, Eq. 1.
 //

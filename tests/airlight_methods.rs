@@ -8,11 +8,14 @@ mod common;
 
 use analytic_media::airlight::closed_form::{self, Expansion};
 use analytic_media::airlight::quadrature;
+use common::host::Host;
 use common::lamps::scene;
 use common::paper::{Form, Paper};
 use common::rows::{number, table};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::time::Instant;
 
 /// Relative errors of the rows of a group, sorted.
 struct Group(Vec<f64>);
@@ -169,6 +172,132 @@ fn table_of_methods() {
                 ("24 points", errors(group, all, |r| by_points(r, 24))),
                 ("48 points", errors(group, all, |r| by_points(r, 48))),
             ],
+        );
+    }
+}
+
+/// Operations of a recording, without literals and inputs, and exponentials and logarithms of them.
+fn operations(recording: impl Fn(&Host)) -> (usize, usize) {
+    let host = Host::new(false);
+    recording(&host);
+    let counts = host.counts();
+    let all = counts
+        .iter()
+        .filter(|(name, _)| !["input", "literal"].contains(*name));
+    let count = |name: &str| counts.get(name).copied().unwrap_or(0);
+    (all.map(|(_, n)| n).sum(), count("exp") + count("log"))
+}
+
+/// Nanoseconds of a call, the least of several runs.
+fn nanoseconds(mut call: impl FnMut()) -> f64 {
+    let run = |call: &mut dyn FnMut()| {
+        let start = Instant::now();
+        for _ in 0..200 {
+            call();
+        }
+        start.elapsed().as_nanos() as f64 / 200.0
+    };
+    (0..20)
+        .map(|_| run(&mut call))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Prints what a ray costs. It asserts only that every method has been counted: times depend on the
+/// machine.
+#[test]
+fn table_of_costs() {
+    let rows = table("airlight");
+    let find = |regime: &str| {
+        rows.iter()
+            .find(|row| row["regime"] == regime)
+            .expect(regime)
+    };
+    println!("\n| method | operations | exp, log | ns f64, one channel |");
+    let mut methods = 0;
+    for (name, regime) in [
+        ("isotropic", "mid_both_inf_isotropic_isotropic"),
+        ("Rayleigh", "mid_both_inf_rayleigh_isotropic"),
+        ("HG", "mid_both_inf_hg_isotropic"),
+    ] {
+        let row = find(regime);
+        let (air, ray, t0, t1) = scene(row, |x| x);
+        for points in [8, 16, 24, 48] {
+            let (all, exp) = operations(|host| {
+                let (air, ray, t0, t1) = scene(row, |x| host.input(x));
+                quadrature::radiance_by(&air, &air.phase, &ray, t0, t1, points);
+            });
+            let ns = nanoseconds(|| {
+                black_box(quadrature::radiance_by(
+                    black_box(&air),
+                    &air.phase,
+                    &ray,
+                    t0,
+                    t1,
+                    points,
+                ));
+            });
+            println!("| {name}, {points} points | {all} | {exp} | {ns:.0} |");
+            methods += usize::from(all > 0);
+        }
+        let closed = |n: usize, all: usize, exp: usize, ns: f64| {
+            println!("| {name}, closed form, {n} terms | {all} | {exp} | {ns:.0} |");
+            usize::from(all > 0)
+        };
+        macro_rules! terms {
+            ($n:literal) => {
+                let (all, exp) = operations(|host| {
+                    let (air, ray, t0, t1) = scene(row, |x| host.input(x));
+                    closed_form::radiance::<_, $n>(&air, Expansion::Midpoint, &ray, t0, t1);
+                });
+                let ns = nanoseconds(|| {
+                    let air = black_box(&air);
+                    black_box(closed_form::radiance::<_, $n>(
+                        air,
+                        Expansion::Midpoint,
+                        &ray,
+                        t0,
+                        t1,
+                    ));
+                });
+                methods += closed($n, all, exp, ns);
+            };
+        }
+        if name == "isotropic" {
+            terms!(1);
+        } else {
+            terms!(4);
+            terms!(6);
+            terms!(12);
+        }
+    }
+    assert_eq!(methods, 3 * 4 + 1 + 3 + 3);
+}
+
+/// What the error estimate of `radiance_within` is worth, and how many points it takes.
+#[test]
+fn estimates_bound_the_error() {
+    println!("\n| tolerance | mean points | worst error |");
+    for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
+        let (mut points, mut worst, mut n) = (0, 0.0f64, 0);
+        for row in table("airlight") {
+            let (air, ray, t0, t1) = scene(&row, |x| x);
+            let estimate = quadrature::radiance_within(&air, &ray, t0, t1, tolerance);
+            let expected = number(&row["L"]);
+            if expected < 1e-290 {
+                continue;
+            }
+            let error = (estimate.radiance[0] - expected).abs() / expected;
+            assert!(
+                error <= tolerance.max(1e-9),
+                "{error:e} by {estimate:?}: {row}"
+            );
+            points += estimate.points;
+            worst = worst.max(error);
+            n += 1;
+        }
+        println!(
+            "| {tolerance:.0e} | {:.1} | {worst:.0e} |",
+            points as f64 / f64::from(n)
         );
     }
 }

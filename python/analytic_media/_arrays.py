@@ -45,6 +45,11 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
+def limit(name, value) -> Argument:
+    """Numbers that may be infinite."""
+    return Argument(name, value, (), _check_number)
+
+
 def unchecked(name, value) -> Argument:
     """Numbers whose range the library checks."""
     return Argument(name, value, (), lambda name, array: None)

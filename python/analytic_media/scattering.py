@@ -117,10 +117,11 @@ class AirLight:
     def radiance(self, o: ArrayLike, d: ArrayLike, t0: ArrayLike, t1: ArrayLike) -> Result:
         """Radiance towards the point at `t0` of the segment from `t0` to `t1` (Eq. 4).
 
-        `o` and `d` are points and unit vectors (..., 3), 0 <= `t0` <= `t1` <= inf.
+        `o` and `d` are points and unit vectors (..., 3); `t0` is finite, `t1` may be infinite. 0
+        where `t1` <= `t0`.
         """
         ray = _arrays.point("o", o), _arrays.direction("d", d)
-        ends = _arrays.amount("t0", t0), _arrays.amount("t1", t1)
+        ends = _arrays.number("t0", t0), _arrays.limit("t1", t1)
         if self._own is None:
             return _arrays.answer(self._model, "radiance", *ray, *ends, width=self._width)
         shape, arrays = _arrays.broadcast([*ray, *ends])
@@ -186,14 +187,14 @@ def airlight(
 
     * `kappa_s`, `kappa_t`: scattering and extinction coefficient, 1/length, >= 0
     * `eye`, `direction`, `light`: points and unit vectors (..., 3)
-    * `t0`, `t1`: ends of the segment, 0 <= t0 <= t1 <= inf
+    * `t0`, `t1`: ends of the segment; `t1` may be infinite
 
     All of these broadcast. `phase` and `intensity` are those of `AirLight`, which serves channels
     that differ in their coefficients alone at a lower cost.
     """
     medium = _arrays.number("kappa_s", kappa_s), _arrays.number("kappa_t", kappa_t)
     ray = _arrays.point("o", eye)._replace(name="eye"), _arrays.direction("direction", direction)
-    ends = _arrays.amount("t0", t0), _arrays.amount("t1", t1)
+    ends = _arrays.number("t0", t0), _arrays.limit("t1", t1)
     shape, arrays = _arrays.broadcast([*medium, *ray, *ends, _arrays.point("light", light)])
     flat = [a.reshape(-1, 3) if a.ndim > len(shape) else a.reshape(-1) for a in arrays]
     scattering, extinction, eyes, directions, starts, stops, lights = flat

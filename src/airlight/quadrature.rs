@@ -188,3 +188,56 @@ impl<R: Real> Stretch<R> {
         (self.offset + grown, self.least + grown, slope)
     }
 }
+
+/// A radiance, and what it cost.
+#[derive(Clone, Debug)]
+pub struct Estimate<R> {
+    /// As [`AirLight::radiance`].
+    pub radiance: Vec<R>,
+    /// Difference from the next smaller rule, the largest of all channels, relative.
+    pub error: R,
+    /// Points of each piece.
+    pub points: usize,
+}
+
+/// The rules that [`radiance_within`] tries.
+const RULES: [usize; 6] = [8, 16, 24, 32, 48, 64];
+
+/// [`AirLight::radiance`] by the smallest rule whose difference from the one before is at most
+/// `tolerance`, relative; by 64 points if none is.
+///
+/// For numbers that formulas may branch on: not for lanes or recorded nodes.
+pub fn radiance_within<R: Real<Mask = bool>>(
+    air: &AirLight<R>,
+    ray: &Ray<R>,
+    t0: R,
+    t1: R,
+    tolerance: R,
+) -> Estimate<R> {
+    let by = |points| radiance_by(air, &air.phase, ray, t0, t1, points);
+    let zero = t0.lit(0.0);
+    let mut radiance = by(RULES[0]);
+    let mut error = zero;
+    for points in RULES.into_iter().skip(1) {
+        let better = by(points);
+        let differences = better.iter().zip(&radiance).map(|(b, r)| {
+            let difference = (*b - *r).abs();
+            R::select(difference.le(zero), zero, difference / b.abs())
+        });
+        error = differences.fold(zero, R::max);
+        radiance = better;
+        if error.le(tolerance) {
+            return Estimate {
+                radiance,
+                error,
+                points,
+            };
+        }
+    }
+    let points = RULES[RULES.len() - 1];
+    Estimate {
+        radiance,
+        error,
+        points,
+    }
+}

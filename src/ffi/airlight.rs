@@ -319,8 +319,9 @@ queries! { AmAirlight, AmAirlightNodes;
     ///
     ///     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
     ///
-    /// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
-    /// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+    /// `direction` is a unit vector away from the eye, `t0` is finite, `t1` may be infinite; the
+    /// radiance is 0 where `t1` ≤ `t0`. What lies in front of `t0` does not count: multiply by its
+    /// transmittance. Nothing casts a shadow.
     ///
     /// Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
     /// ray through the light has no finite radiance: its distance is kept at 1e-150, in single
@@ -337,11 +338,8 @@ queries! { AmAirlight, AmAirlightNodes;
 }
 
 /// A phase function of the caller: its value, 1/sr, for the cosine of the angle of scattering.
-pub type AmPhaseFunction = unsafe extern "C" fn(cosine: f64, data: *mut c_void) -> f64;
-
-/// A phase function from C.
 struct Callback {
-    function: AmPhaseFunction,
+    function: unsafe extern "C" fn(cosine: f64, data: *mut c_void) -> f64,
     data: *mut c_void,
 }
 
@@ -368,7 +366,7 @@ impl PhaseFunction<f64> for Callback {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn am_airlight_radiance_with_phase(
     airlight: *const AmAirlight,
-    phase: Option<AmPhaseFunction>,
+    phase: Option<unsafe extern "C" fn(cosine: f64, data: *mut c_void) -> f64>,
     data: *mut c_void,
     origin: *const f64,
     direction: *const f64,
