@@ -419,8 +419,9 @@ am_status am_airlight_check(const struct am_airlight *airlight);
 //
 //     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
 //
-// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
-// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+// `direction` is a unit vector away from the eye, `t0` is finite, `t1` may be infinite; the
+// radiance is 0 where `t1` ≤ `t0`. What lies in front of `t0` does not count: multiply by its
+// transmittance. Nothing casts a shadow.
 //
 // Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
 // ray through the light has no finite radiance: its distance is kept at 1e-150, in single
@@ -483,6 +484,23 @@ am_status am_airlight_radiance_record(const struct am_host_table *host,
                                       am_node t0,
                                       am_node t1,
                                       am_node *radiance);
+
+// `am_airlight_radiance_f64` with a phase function of the caller in place of `airlight.phase`:
+// `phase(cosine, data)` is called up to 64 times for each part of the ray that the light does not
+// divide, with cosines in [−1, 1] (1 is forward). Its integral over the sphere is 1.
+//
+// Relative error 1e-9 for functions as smooth as Henyey and Greenstein's with |g| ≤ 0.95.
+//
+// # Safety
+// As for `am_airlight_radiance_f64`; `phase` must not unwind.
+am_status am_airlight_radiance_with_phase(const struct am_airlight *airlight,
+                                          double (*phase)(double cosine, void *data),
+                                          void *data,
+                                          const double *origin,
+                                          const double *direction,
+                                          double t0,
+                                          double t1,
+                                          double *radiance);
 
 // Extinction coefficient `sigma_a` + `sigma_s`, all in 1/length. Source: article, Eq. 1.
 //
@@ -3268,6 +3286,168 @@ am_status am_erfcx_ren_mackenzie_batch_f32(size_t n,
 am_status am_erfcx_ren_mackenzie_record(const struct am_host_table *host,
                                         am_node x,
                                         am_node *value);
+
+// Exponential integral Ei(z) of z = `x` + i `y`, principal branch; on the real axis the principal
+// value. −∞ at 0, infinite or not a number where e^x overflows.
+//
+// |error| below 1e-12 |Ei|, in single precision 2e-6 |Ei|, for |y| ≤ 1000.
+// Source: Pegoraro, Schott, Parker (2009), Eq. 21 to 27.
+//
+// # Safety
+// `value` points to two numbers, the real and the imaginary part: of item 0, of item 1, ….
+am_status am_expint_ei_f64(double x, double y, double *value);
+
+// `am_expint_ei_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_expint_ei_f32(float x, float y, float *value);
+
+// `am_expint_ei_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_ei_batch_f64(size_t n,
+                                 struct am_array_f64 x,
+                                 struct am_array_f64 y,
+                                 double *value);
+
+// `am_expint_ei_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_ei_batch_f32(size_t n,
+                                 struct am_array_f32 x,
+                                 struct am_array_f32 y,
+                                 float *value);
+
+// `am_expint_ei_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_expint_ei_record(const struct am_host_table *host,
+                              am_node x,
+                              am_node y,
+                              am_node *value);
+
+// exp(−z) (Ei(z) − iπ sgn(y)) of z = `x` + i `y`: about 1/z for large |z|. Without the jump and
+// the exponential of Ei, which overflows.
+//
+// |error| below 1e-12, in single precision 2e-6, relative to the value.
+//
+// # Safety
+// `value` points to two numbers, the real and the imaginary part: of item 0, of item 1, ….
+am_status am_expint_ei_scaled_f64(double x,
+                                  double y,
+                                  double *value);
+
+// `am_expint_ei_scaled_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_expint_ei_scaled_f32(float x, float y, float *value);
+
+// `am_expint_ei_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_ei_scaled_batch_f64(size_t n,
+                                        struct am_array_f64 x,
+                                        struct am_array_f64 y,
+                                        double *value);
+
+// `am_expint_ei_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_ei_scaled_batch_f32(size_t n,
+                                        struct am_array_f32 x,
+                                        struct am_array_f32 y,
+                                        float *value);
+
+// `am_expint_ei_scaled_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_expint_ei_scaled_record(const struct am_host_table *host,
+                                     am_node x,
+                                     am_node y,
+                                     am_node *value);
+
+// Exponential integral E₁(x) = −Ei(−x), `x` > 0. Relative error below 1e-12, in single precision
+// 2e-6; 0 where it underflows.
+//
+// # Safety
+// `value` points to one number.
+am_status am_expint_e1_f64(double x,
+                           double *value);
+
+// `am_expint_e1_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_expint_e1_f32(float x, float *value);
+
+// `am_expint_e1_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_e1_batch_f64(size_t n,
+                                 struct am_array_f64 x,
+                                 double *value);
+
+// `am_expint_e1_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_e1_batch_f32(size_t n,
+                                 struct am_array_f32 x,
+                                 float *value);
+
+// `am_expint_e1_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_expint_e1_record(const struct am_host_table *host,
+                              am_node x,
+                              am_node *value);
+
+// exp(x) E₁(x), `x` > 0: about 1/x for large x. Relative error below 1e-12, in single precision
+// 2e-6.
+//
+// # Safety
+// `value` points to one number.
+am_status am_expint_e1_scaled_f64(double x, double *value);
+
+// `am_expint_e1_scaled_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_expint_e1_scaled_f32(float x, float *value);
+
+// `am_expint_e1_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_e1_scaled_batch_f64(size_t n,
+                                        struct am_array_f64 x,
+                                        double *value);
+
+// `am_expint_e1_scaled_f64` for `n` items.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), `value` has room for `n` numbers, and does not overlap the inputs.
+am_status am_expint_e1_scaled_batch_f32(size_t n,
+                                        struct am_array_f32 x,
+                                        float *value);
+
+// `am_expint_e1_scaled_f64` recorded on the tape of `host`: arguments and the value are slots. Ranges are not checked.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_expint_e1_scaled_record(const struct am_host_table *host,
+                                     am_node x,
+                                     am_node *value);
 
 // Probabilities of the events at a collision in flight against a majorant, and what each
 // multiplies the path weights by, per wavelength. Events are 0: absorption, 1: scattering,

@@ -5,16 +5,17 @@
     fog = am.Medium([(am.Exponential(scale_height=20), 0.1)])
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
-`am.sunlit_fog` is what fog in the sun scatters towards the eye. `am.special` has the functions
-behind it, `am.coefficients` the ways to state a medium, and `am.spectral` the weights of paths that
-carry several wavelengths; `am.jit` asks the same of Dr.Jit arrays; `am.earth()` and its like are
-scenes for Mitsuba. Importing the package makes its plugins known to Mitsuba, if it is installed.
+`am.airlight` is what a point light adds in a uniform one, with the phase functions and lights of
+`am.scattering`; `am.sunlit_fog` is what fog in the sun scatters towards the eye. `am.special` has
+the functions behind them, `am.coefficients` the ways to state a medium, and `am.spectral` the
+weights of paths that carry several wavelengths; `am.jit` asks the same of Dr.Jit arrays;
+`am.earth()` and its like are scenes for Mitsuba. Importing the package makes its plugins known to
+Mitsuba, if it is installed.
 """
 
-from . import coefficients, jit, presets, special, spectral
+from . import coefficients, jit, presets, scattering, special, spectral
 from ._native import version as _version
 from ._plugins import register as _register
-from .airlight import sunlit_fog
 from .geometry import Planet
 from .medium import Medium
 from .presets import earth, height_fog, mars, titan
@@ -29,9 +30,21 @@ from .profiles import (
     Spherical,
     Tent,
 )
-from .special import bessel_k1_scaled, chapman, erfcx, log_chapman
+from .scattering import AirLight, airlight
+from .special import (
+    bessel_k1_scaled,
+    chapman,
+    erfcx,
+    expint_e1,
+    expint_e1_scaled,
+    expint_ei,
+    expint_ei_scaled,
+    log_chapman,
+)
+from .sunlit import sunlit_fog
 
 __all__ = [
+    "AirLight",
     "AnisotropicGaussian",
     "Constant",
     "Exponential",
@@ -43,16 +56,22 @@ __all__ = [
     "RadialGaussian",
     "Spherical",
     "Tent",
+    "airlight",
     "bessel_k1_scaled",
     "chapman",
     "coefficients",
     "earth",
     "erfcx",
+    "expint_e1",
+    "expint_e1_scaled",
+    "expint_ei",
+    "expint_ei_scaled",
     "height_fog",
     "jit",
     "log_chapman",
     "mars",
     "presets",
+    "scattering",
     "special",
     "spectral",
     "sunlit_fog",

@@ -45,6 +45,11 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
+def limit(name, value) -> Argument:
+    """Numbers that may be infinite."""
+    return Argument(name, value, (), _check_number)
+
+
 def unchecked(name, value) -> Argument:
     """Numbers whose range the library checks."""
     return Argument(name, value, (), lambda name, array: None)
@@ -80,7 +85,7 @@ def answers(
 ) -> tuple:
     """`answer` with an output for each of `shapes`, which are those of one item."""
     arguments = [argument for argument in inputs if isinstance(argument, Argument)]
-    batch, arrays = _broadcast(arguments)
+    batch, arrays = broadcast(arguments)
     items = iter([_items(array, a.item) for array, a in zip(arrays, arguments, strict=True)])
     results = [np.empty(batch + shape, arrays[0].dtype) for shape in shapes]
     n = int(np.prod(batch, dtype=np.intp))
@@ -96,7 +101,18 @@ def function(name: str, **arguments):
     return answer(None, name, *inputs)
 
 
-def _broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
+def complex_function(name: str, argument: str, value):
+    """The C function `name` of a complex number, whose value is complex, for every item."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiubc":
+        raise ValueError(f"{argument} must be an array of complex numbers, got {value!r}")
+    parts = {"x": array.real, "y": array.imag}
+    inputs = [unchecked(key, part) for key, part in parts.items()]
+    result = answer(None, name, *inputs, width=(2,))
+    return result.view(np.result_type(result.dtype, np.complex64))[..., 0][()]
+
+
+def broadcast(arguments: list[Argument]) -> tuple[tuple[int, ...], list[np.ndarray]]:
     """Shape of the items, and the checked arguments broadcast to it, in one float type."""
     arrays = [_real(argument) for argument in arguments]
     given = {

@@ -197,6 +197,43 @@ def planet(center: Sequence[float], radius: float) -> Model:
     return Model("planet", pointer)
 
 
+def airlight(light: dict, phase: dict, sigma_s: np.ndarray, sigma_t: np.ndarray) -> Model:
+    """A point light in a uniform medium, with its coefficients per channel; ValueError if bad."""
+    numbers = [_ffi.new("double[]", sigma.tolist()) for sigma in (sigma_s, sigma_t)]
+    light = light | {"kind": choices("light_kind")[light["kind"]]}
+    phase = phase | {"kind": choices("phase_kind")[phase["kind"]]}
+    pointer = _ffi.new("am_airlight *", [light, phase, *numbers, len(sigma_s)])
+    _check(_lib.am_airlight_check(pointer))
+    return Model("airlight", pointer, tuple(numbers))
+
+
+def radiance_with_phase(model: Model, phase, o, d, t0, t1) -> np.ndarray:
+    """Air-light with `phase`, a function of the cosine, in place of the phase function of `model`.
+
+    Raises what `phase` raised.
+    """
+    errors: list[BaseException] = []
+
+    @_ffi.callback("double(double, void *)")
+    def callback(cosine, _):
+        try:
+            return float(phase(cosine))
+        except BaseException as error:  # must not reach C
+            errors.append(error)
+            return 0.0
+
+    result = np.empty(model.pointer.n_channels)
+    points = [_ffi.new("double[]", x.tolist()) for x in (o, d)]
+    output = _ffi.cast("double *", result.ctypes.data)
+    status = _lib.am_airlight_radiance_with_phase(
+        model.pointer, callback, _ffi.NULL, *points, float(t0), float(t1), output
+    )
+    if errors:
+        raise errors[0]
+    _check(status)
+    return result
+
+
 # ---- Arrays ----------------------------------------------------------------------------------
 
 _FORMS = {np.dtype(np.float32): ("f32", "float"), np.dtype(np.float64): ("f64", "double")}
@@ -272,6 +309,21 @@ class Recording:
         ]
         fields = [profile.pointer[0], *slots, len(sigma_t)]
         return Model("sunlit_fog", _ffi.new("am_sunlit_fog_nodes *", fields), tuple(slots))
+
+    def airlight(self, light: dict, phase: dict, sigma_s: Sequence, sigma_t: Sequence) -> Model:
+        """A point light in a uniform medium, its numbers values of the host."""
+        slots = [_ffi.new("am_node[]", [self._put(s) for s in row]) for row in (sigma_s, sigma_t)]
+        pointer = _ffi.new("am_airlight_nodes *", {"n_channels": len(sigma_s)})
+        pointer.sigma_s, pointer.sigma_t = slots
+        pointer.light.kind = choices("light_kind")[light["kind"]]
+        pointer.light.exponent = light["exponent"]
+        for name in ("position", "axis"):
+            setattr(pointer.light, name, [self._put(x) for x in light[name]])
+        for name in ("cutoff_angle", "beam_width"):
+            setattr(pointer.light, name, self._put(light[name]))
+        pointer.phase.kind = choices("phase_kind")[phase["kind"]]
+        pointer.phase.g = self._put(phase["g"])
+        return Model("airlight", pointer, tuple(slots))
 
     def ask(
         self, model: Model | None, question: str, inputs: Sequence, outputs: int, width: int

@@ -27,7 +27,7 @@ from itertools import chain
 from numbers import Real
 from typing import Any
 
-from . import _native, profiles
+from . import _native, profiles, scattering
 
 Array = Any  # a number of the host
 Point = Any  # three of them: a vector of Dr.Jit, a list or a tuple
@@ -242,18 +242,70 @@ def sunlit_fog(
     return radiance[0] if scalar else radiance
 
 
-def special(function: str, *arguments: Array, host: Host | None = None) -> Array:
+class AirLight:
+    """A point light in a uniform medium, as `analytic_media.AirLight`, answered by a host.
+
+    The position of the light, coefficients, and the numbers of `phase` and `intensity` may be arrays
+    of the host (axes: three of them); they are not checked. Exponents are numbers. With channels,
+    radiance is a list, one array per channel.
+    """
+
+    def __init__(
+        self,
+        light: Point,
+        sigma_s: Array | Sequence[Array],
+        sigma_t: Array | Sequence[Array],
+        phase: scattering.Phase = scattering.Isotropic(),
+        intensity: scattering.Intensity = scattering.Isotropic(),
+        *,
+        host: Host | None = None,
+    ):
+        self._light = scattering.describe_light(_point("light", light), intensity)
+        self._light["axis"] = _point("axis", self._light["axis"])
+        self._phase = scattering.describe_phase(phase)
+        rows = [_components(sigma) for sigma in (sigma_s, sigma_t)]
+        self._scalar = rows == [None, None]
+        channels = max(len(row or [None]) for row in rows)
+        self._coefficients = [
+            [sigma] * channels if row is None else row
+            for row, sigma in zip(rows, (sigma_s, sigma_t), strict=True)
+        ]
+        if any(len(row) != channels for row in self._coefficients):
+            raise ValueError("sigma_s and sigma_t must have the same number of channels")
+        self._host = host
+
+    def radiance(self, o: Point, d: Point, t0: Array, t1: Array) -> Array | list[Array]:
+        """Radiance towards the point at `t0` of the segment from `t0` to `t1` (to infinity)."""
+        inputs = _point("o", o), _point("d", d), _number("t0", t0), _number("t1", t1)
+        light, phase = dict(self._light), dict(self._phase)
+        angles = light["cutoff_angle"], light["beam_width"], phase["g"]
+        values = chain(light["position"], light["axis"], angles, *self._coefficients, *inputs)
+        host = self._host or _drjit_host(values)
+        for name in ("position", "axis"):
+            light[name] = _lift(host, light[name])
+        light["cutoff_angle"], light["beam_width"], phase["g"] = _lift(host, angles)
+        recording = _native.Recording(host)
+        coefficients = [_lift(host, row) for row in self._coefficients]
+        model = recording.airlight(light, phase, *coefficients)
+        lifted = [_lift(host, i) for i in inputs]
+        (radiance,) = recording.ask(model, "radiance", lifted, 1, len(coefficients[0]))
+        return radiance[0] if self._scalar else radiance
+
+
+def special(function: str, *arguments: Array, host: Host | None = None) -> Array | list[Array]:
     """A function of `analytic_media.special` or `analytic_media.coefficients`, answered by a host:
     `special("chapman", z, mu)`.
 
-    Arguments are not checked. Raises AttributeError for a function that does not exist.
+    A complex one, "expint_ei" or "expint_ei_scaled", has the real and the imaginary part as
+    arguments, and as a list of results. Arguments are not checked. Raises AttributeError for a function that does not exist.
     """
     inputs = [_number(f"argument {i}", value) for i, value in enumerate(arguments)]
     host = host or _drjit_host(chain(*inputs))
     recording = _native.Recording(host)
     lifted = [_lift(host, i) for i in inputs]
-    ((value,),) = recording.ask(None, function, lifted, 1, 1)
-    return value
+    width = 2 if function.startswith("expint_ei") else 1
+    (value,) = recording.ask(None, function, lifted, 1, width)
+    return value if width > 1 else value[0]
 
 
 # ---- Numbers, points, channels ---------------------------------------------------------------

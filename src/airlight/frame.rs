@@ -47,6 +47,18 @@ impl<R: Real> Frame<R> {
         }
     }
 
+    /// The same frame in another arithmetic.
+    pub fn map<S>(&self, lift: impl Fn(R) -> S) -> Frame<S> {
+        Frame {
+            height: lift(self.height),
+            start: lift(self.start),
+            axial: lift(self.axial),
+            lateral: lift(self.lateral),
+            axial_across: self.axial_across.map(&lift),
+            lateral_across: self.lateral_across.map(&lift),
+        }
+    }
+
     /// What stands for an infinite distance: its square is a number of the format.
     pub(crate) fn far(&self) -> R {
         let single = self.height.digits() <= 24;
@@ -74,7 +86,7 @@ impl<R: Real> Frame<R> {
 
     /// The angle at the light: a point beyond the foot (`sign` 1) or before it (−1), whose distance
     /// from the light is D and s = ±`1 − w²` h/(2w), where w = h q = h/(D + |s|).
-    pub(crate) fn toward(&self, sign: R, q: R, w_square: R) -> Toward<R> {
+    pub fn toward(&self, sign: R, q: R, w_square: R) -> Toward<R> {
         let one = q.lit(1.0);
         let norm = one / (one + w_square);
         let (along, across) = (sign * (one - w_square) * norm, (q + q) * norm);
@@ -87,7 +99,7 @@ impl<R: Real> Frame<R> {
     }
 
     /// The angle of scattering there: light that arrives before the foot goes on forward.
-    pub(crate) fn deflection(&self, sign: R, w_square: R) -> Deflection<R> {
+    pub fn deflection(&self, sign: R, w_square: R) -> Deflection<R> {
         let (zero, one) = (sign.lit(0.0), sign.lit(1.0));
         let norm = one / (one + w_square);
         let (near, far) = ((w_square + w_square) * norm, norm + norm);

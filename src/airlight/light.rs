@@ -95,6 +95,22 @@ impl<R: Real> Intensity<R> {
         }
     }
 
+    /// The same intensity in another arithmetic.
+    pub fn map<S>(&self, lift: impl Fn(R) -> S) -> Intensity<S> {
+        match *self {
+            Intensity::Isotropic => Intensity::Isotropic,
+            Intensity::Lobes { exponent } => Intensity::Lobes { exponent },
+            Intensity::Spot { exponent } => Intensity::Spot { exponent },
+            Intensity::Cone {
+                cutoff_angle,
+                beam_width,
+            } => Intensity::Cone {
+                cutoff_angle: lift(cutoff_angle),
+                beam_width: lift(beam_width),
+            },
+        }
+    }
+
     /// p, which says how slowly the intensity grows from 0 at the edge.
     pub(crate) fn exponent(&self) -> u32 {
         match *self {

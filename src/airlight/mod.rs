@@ -16,13 +16,19 @@
 //! | v/h, −w/h | `q` | 1/length | half the angle at the light, see [`piece`] |
 //!
 //! Map: [`phase`], [`light`] ← [`frame`] (ray and light) ← [`piece`] (the variable of integration) ←
-//! [`quadrature`]. [`sunlit`] is directional light, which needs none of them.
+//! [`quadrature`], which [`AirLight::radiance`] is, and [`closed_form`] with its [`jet`] and
+//! [`moments`]. `docs/airlight.md` says why. [`sunlit`] is directional light, which
+//! needs none of them.
 
+pub mod closed_form;
 pub mod frame;
+pub mod jet;
 pub mod light;
+pub mod moments;
 pub mod phase;
 pub mod piece;
 pub mod quadrature;
+mod segment;
 pub mod sunlit;
 
 use crate::geometry::Ray;

@@ -42,6 +42,17 @@ pub enum Phase<R> {
     },
 }
 
+impl<R: Copy> Phase<R> {
+    /// The same phase function in another arithmetic.
+    pub fn map<S>(&self, lift: impl Fn(R) -> S) -> Phase<S> {
+        match *self {
+            Phase::Isotropic => Phase::Isotropic,
+            Phase::Rayleigh => Phase::Rayleigh,
+            Phase::HenyeyGreenstein { g } => Phase::HenyeyGreenstein { g: lift(g) },
+        }
+    }
+}
+
 impl<R: Real> PhaseFunction<R> for Phase<R> {
     fn value(&self, deflection: Deflection<R>) -> R {
         let cos = deflection.cos;

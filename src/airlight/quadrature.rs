@@ -10,11 +10,11 @@
 
 use super::AirLight;
 use super::frame::Frame;
-use super::light::Lit;
 use super::phase::PhaseFunction;
 use super::piece::Piece;
+use super::segment::pieces;
 use crate::geometry::Ray;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::special::gauss_legendre::rule;
 use crate::special::rel::psi;
 
@@ -64,7 +64,10 @@ pub fn radiance_by<R: Real, P: PhaseFunction<R>>(
         sigma_t: air.sigma_t.iter().fold(first_sigma, |a, b| a.min(*b)),
         sums: vec![zero; air.sigma_t.len()],
     };
-    integral.segment(t0, t1);
+    let intensity = air.light.intensity;
+    pieces(&frame, &intensity, t0, t1, |sign, ends, length, before| {
+        integral.piece(zero.lit(sign), ends, length, before);
+    });
     let scatter = |(sum, sigma): (R, &R)| sum * *sigma;
     integral
         .sums
@@ -75,48 +78,6 @@ pub fn radiance_by<R: Real, P: PhaseFunction<R>>(
 }
 
 impl<R: Real, P: PhaseFunction<R>> Integral<'_, R, P> {
-    /// Adds all pieces of the segment.
-    fn segment(&mut self, t0: R, t1: R) {
-        let zero = t0.lit(0.0);
-        let far = self.frame.far();
-        // A length, not a difference of distances from the foot, so that a short one is exact.
-        let length = (t1.min(far) - t0).max(zero);
-        let from = t0 + self.frame.start;
-        let intensity = self.air.light.intensity;
-        let Lit { first, last, kinks } = intensity.lit(&self.frame, from, from + length);
-        let clip = |s: R| s.max(first).min(last);
-        let foot = clip(zero);
-        // Whatever the light does not cut off keeps the exact ends.
-        let way = |s: R| {
-            let way = R::select(s.le(from), zero, s - from);
-            R::select((from + length).le(s), length, way)
-        };
-        let mut add = |sign: f64, a: R, b: R| {
-            let (before, after) = (way(a), way(b));
-            let some = before.lt(after);
-            if !some.any() {
-                return;
-            }
-            self.piece(zero.lit(sign), [a, b], (after - before).max(zero), before);
-        };
-        match kinks {
-            None => {
-                add(-1.0, first, foot);
-                add(1.0, foot, last);
-            }
-            Some((begin, end)) => {
-                let (low, high) = (begin.min(foot), end.min(foot));
-                add(-1.0, first, low);
-                add(-1.0, low, high);
-                add(-1.0, high, foot);
-                let (low, high) = (begin.max(foot), end.max(foot));
-                add(1.0, foot, low);
-                add(1.0, low, high);
-                add(1.0, high, last);
-            }
-        }
-    }
-
     /// Optical depth beyond which nothing counts, even where a light begins with cosᵖ.
     fn depth(&self) -> f64 {
         let exponent = f64::from(self.air.light.intensity.exponent());
@@ -225,5 +186,58 @@ impl<R: Real> Stretch<R> {
         let grown = self.least.mul_add(rise, self.cosh * sinh);
         let slope = self.least.mul_add(sinh, self.cosh * (one + rise));
         (self.offset + grown, self.least + grown, slope)
+    }
+}
+
+/// A radiance, and what it cost.
+#[derive(Clone, Debug)]
+pub struct Estimate<R> {
+    /// As [`AirLight::radiance`].
+    pub radiance: Vec<R>,
+    /// Difference from the next smaller rule, the largest of all channels, relative.
+    pub error: R,
+    /// Points of each piece.
+    pub points: usize,
+}
+
+/// The rules that [`radiance_within`] tries.
+const RULES: [usize; 6] = [8, 16, 24, 32, 48, 64];
+
+/// [`AirLight::radiance`] by the smallest rule whose difference from the one before is at most
+/// `tolerance`, relative; by 64 points if none is.
+///
+/// For numbers that formulas may branch on: not for lanes or recorded nodes.
+pub fn radiance_within<R: Real<Mask = bool>>(
+    air: &AirLight<R>,
+    ray: &Ray<R>,
+    t0: R,
+    t1: R,
+    tolerance: R,
+) -> Estimate<R> {
+    let by = |points| radiance_by(air, &air.phase, ray, t0, t1, points);
+    let zero = t0.lit(0.0);
+    let mut radiance = by(RULES[0]);
+    let mut error = zero;
+    for points in RULES.into_iter().skip(1) {
+        let better = by(points);
+        let differences = better.iter().zip(&radiance).map(|(b, r)| {
+            let difference = (*b - *r).abs();
+            R::select(difference.le(zero), zero, difference / b.abs())
+        });
+        error = differences.fold(zero, R::max);
+        radiance = better;
+        if error.le(tolerance) {
+            return Estimate {
+                radiance,
+                error,
+                points,
+            };
+        }
+    }
+    let points = RULES[RULES.len() - 1];
+    Estimate {
+        radiance,
+        error,
+        points,
     }
 }

@@ -7,12 +7,14 @@ use super::query::{
 use super::{AmArrayF32, AmArrayF64, AmHostTable, AmNode, AmStatus, Failure, arg, guard};
 use crate::airlight::AirLight;
 use crate::airlight::light::{Intensity, Light};
-use crate::airlight::phase::Phase;
+use crate::airlight::phase::{Deflection, Phase, PhaseFunction};
+use crate::airlight::quadrature;
 use crate::error::{self, Error};
 use crate::geometry::Ray;
 use crate::real::Real;
 use crate::real::lanes::{F32Lanes, F64Lanes, Lanes};
 use crate::real::node::Node;
+use libc::c_void;
 
 /// How the intensity of a light depends on the angle θ from its axis. Numbers are fixed for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -317,8 +319,9 @@ queries! { AmAirlight, AmAirlightNodes;
     ///
     ///     L = κ_s ∫ exp(−κ_t (t − t0 + D)) / D² I(θ) Φ(φ) dt,   D the distance from the light
     ///
-    /// `direction` is a unit vector away from the eye, 0 ≤ `t0` ≤ `t1` ≤ ∞. What lies in front of
-    /// `t0` does not count: multiply by its transmittance. Nothing casts a shadow.
+    /// `direction` is a unit vector away from the eye, `t0` is finite, `t1` may be infinite; the
+    /// radiance is 0 where `t1` ≤ `t0`. What lies in front of `t0` does not count: multiply by its
+    /// transmittance. Nothing casts a shadow.
     ///
     /// Relative error below 1e-9, in single precision 1e-4, for |g| ≤ 0.95 and exponents up to 16. A
     /// ray through the light has no finite radiance: its distance is kept at 1e-150, in single
@@ -332,4 +335,63 @@ queries! { AmAirlight, AmAirlightNodes;
     am_airlight_radiance_batch_f64 am_airlight_radiance_batch_f32 am_airlight_radiance_record
     |airlight: AirLight, origin: point, direction: point, t0: number, t1: number| -> (radiance)
     [] results => { results.extend(airlight.radiance(&Ray { origin, direction }, t0, t1)); }
+}
+
+/// A phase function of the caller: its value, 1/sr, for the cosine of the angle of scattering.
+struct Callback {
+    function: unsafe extern "C" fn(cosine: f64, data: *mut c_void) -> f64,
+    data: *mut c_void,
+}
+
+impl PhaseFunction<f64> for Callback {
+    fn value(&self, deflection: Deflection<f64>) -> f64 {
+        // SAFETY: the caller vouches for the function and its data.
+        unsafe { (self.function)(deflection.cos, self.data) }
+    }
+
+    // It may have a peak at either end.
+    fn peaks(&self, _: f64) -> [f64; 2] {
+        [0.03; 2]
+    }
+}
+
+/// `am_airlight_radiance_f64` with a phase function of the caller in place of `airlight.phase`:
+/// `phase(cosine, data)` is called up to 64 times for each part of the ray that the light does not
+/// divide, with cosines in [−1, 1] (1 is forward). Its integral over the sphere is 1.
+///
+/// Relative error 1e-9 for functions as smooth as Henyey and Greenstein's with |g| ≤ 0.95.
+///
+/// # Safety
+/// As for `am_airlight_radiance_f64`; `phase` must not unwind.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn am_airlight_radiance_with_phase(
+    airlight: *const AmAirlight,
+    phase: Option<unsafe extern "C" fn(cosine: f64, data: *mut c_void) -> f64>,
+    data: *mut c_void,
+    origin: *const f64,
+    direction: *const f64,
+    t0: f64,
+    t1: f64,
+    radiance: *mut f64,
+) -> AmStatus {
+    guard(|| {
+        // SAFETY: promised by the caller.
+        let airlight = unsafe { arg::reference(airlight, "airlight") }?;
+        Model::check(airlight)?;
+        let function =
+            phase.ok_or_else(|| Failure::new(AmStatus::NullPointer, "phase must not be null"))?;
+        arg::output(radiance, 1, "radiance")?;
+        // SAFETY: promised by the caller.
+        let ray = unsafe {
+            Ray {
+                origin: query::point(origin, "origin")?,
+                direction: query::point(direction, "direction")?,
+            }
+        };
+        let phase = Callback { function, data };
+        let air = airlight.lift(|x| x);
+        let results = quadrature::radiance_by(&air, &phase, &ray, t0, t1, 64);
+        query::write_numbers(&results, &[radiance]);
+        Ok(())
+    })
 }

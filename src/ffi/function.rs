@@ -1,8 +1,8 @@
 //! One macro makes the five forms of a function of numbers: `_f64`, `_f32`, `_batch_f64`,
 //! `_batch_f32` and `_record`.
 //!
-//! A function has *arguments*, each with the check of its range, and one value. Numbers are
-//! checked before anything is written; slots of a tape cannot be.
+//! A function has *arguments*, each with the check of its range, and one value, which may be complex.
+//! Numbers are checked before anything is written; slots of a tape cannot be.
 
 use super::array::Array;
 use super::{AmStatus, Failure, arg, query};
@@ -39,6 +39,24 @@ where
     Ok(())
 }
 
+/// What a function gives: a number, or a complex one.
+pub trait Value<R> {
+    /// Its numbers.
+    fn numbers(self) -> query::Results<R>;
+}
+
+impl<R> Value<R> for R {
+    fn numbers(self) -> query::Results<R> {
+        smallvec::smallvec![self]
+    }
+}
+
+impl<R> Value<R> for [R; 2] {
+    fn numbers(self) -> query::Results<R> {
+        self.into_iter().collect()
+    }
+}
+
 /// Checks that there is room for a value.
 pub fn check_output<T>(value: *mut T, n: usize) -> Result<(), Failure> {
     arg::output(value, n, "value")
@@ -72,7 +90,7 @@ macro_rules! functions {
                 let host = unsafe { arg::reference(host, "host") }?;
                 function::check_output(value, 1)?;
                 let result = $function($(Node::new(host, $arg)),+);
-                query::write_slots(&[result], &[value])
+                query::write_slots(&function::Value::<Node>::numbers(result), &[value])
             })
         }
     )* };
@@ -86,7 +104,8 @@ macro_rules! functions {
             guard(|| {
                 $( error::$range(stringify!($arg), f64::from($arg))?; )+
                 function::check_output(value, 1)?;
-                query::write_numbers(&[$function($($arg),+)], &[value]);
+                let result = function::Value::<$float>::numbers($function($($arg),+));
+                query::write_numbers(&result, &[value]);
                 Ok(())
             })
         }
@@ -117,7 +136,7 @@ macro_rules! functions {
                         // SAFETY: the array has been checked, and the caller promises n items.
                         let $arg = $Lanes::gather(|lane| unsafe { $arg.get(item.at(lane), 0) });
                     )+
-                    results.push($function($($arg),+));
+                    results.extend(function::Value::<$Lanes>::numbers($function($($arg),+)));
                 });
                 Ok(())
             })

@@ -16,6 +16,7 @@ pub mod bessel;
 pub mod chapman;
 pub mod decay;
 pub mod erfcx;
+pub mod expint;
 pub mod gauss_legendre;
 pub mod gaussian;
 pub mod rel;

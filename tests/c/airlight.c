@@ -85,6 +85,24 @@ static void phases(void) {
     CHECK_NEAR(whole, 0.125, 1e-8);
 }
 
+static double rayleigh(double cosine, void *data) {
+    return *(const double *) data * (1 + cosine * cosine);
+}
+
+/* The caller's own phase function. */
+static void own_phase(void) {
+    am_airlight other = lamp;
+    double a[2], b[2], scale = 3 / (32 * HALF_PI);
+    other.phase.kind = AM_PHASE_KIND_RAYLEIGH;
+    CHECK_OK(am_airlight_radiance_f64(&other, origin, direction, t0, t1, a));
+    CHECK_OK(
+        am_airlight_radiance_with_phase(&lamp, rayleigh, &scale, origin, direction, t0, t1, b));
+    CHECK_NEAR(a[0], b[0], 1e-13);
+    CHECK_NEAR(a[1], b[1], 1e-13);
+    CHECK_FAILS(am_airlight_radiance_with_phase(&lamp, NULL, &scale, origin, direction, t0, t1, b),
+                AM_STATUS_NULL_POINTER, "phase must not be null");
+}
+
 static void recorded(void) {
     static tape the_tape;
     am_host_table host = host_on(&the_tape);
@@ -176,6 +194,7 @@ int main(void) {
     forms();
     lights();
     phases();
+    own_phase();
     recorded();
     mistakes();
     return REPORT();

@@ -8,5 +8,7 @@ pub mod arithmetic;
 pub mod article;
 pub mod counted;
 pub mod host;
+pub mod lamps;
+pub mod paper;
 pub mod random;
 pub mod rows;

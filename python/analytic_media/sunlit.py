@@ -1,4 +1,4 @@
-"""Air-light: what a medium scatters once from a source towards the eye, in closed form."""
+"""Fog in the sun: what it scatters once towards the eye, in closed form."""
 
 import math
 from collections.abc import Callable, Sequence
