@@ -175,6 +175,8 @@ private:
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
     static constexpr uint32_t DefaultRouletteDepth = 2;
+    /// Equiangular sampling follows phase functions up to this asymmetry, that of g = 0.98.
+    static constexpr ScalarFloat MaxForwardness = 100.f;
     /// Colours or wavelengths of a path.
     static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
 
@@ -221,6 +223,10 @@ private:
         /// sampling.
         Mask lit;
         Float near, far;
+        /// How much more the medium there scatters forwards than backwards: k of Equiangular.
+        Float forwardness;
+        /// Sum of what the light sources at a point shed on it, 1/length, if they were alike.
+        Float exposures;
         /// Density at which the flight collided there, 1/length.
         Float flight_pdf;
     };
@@ -310,8 +316,7 @@ private:
         if (!found.lit())
             path.ray.maxt = dr::minimum(reach, t);
         v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_medium && t < reach;
-        collided &= found.lit() ? t < v.si.t : !v.si.is_valid();
+        Mask collided = in_medium && (found.lit() ? t < v.si.t : !v.si.is_valid()) && t < reach;
         const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
 
         Float boost = 1.f; // of collisions over what they are in nature
@@ -506,8 +511,8 @@ private:
 
     /**
      * Adds light of a source at a point that the medium scatters along the ray of `path`, up to the
-     * distance `end`. The light source is one of all alike, the distance is drawn by equiangular
-     * sampling.
+     * distance `end`. The light source is chosen by what it would shed on the ray in the clear,
+     * the distance drawn by equiangular sampling.
      *
      * That is an estimate beside the path, which goes on from its flight: what else the path finds
      * does not suffer, wherever the light is.
@@ -534,10 +539,11 @@ private:
             v.flight_pdf = boost * pdf;
         }
 
-        const UInt32 index = choose_point(found, path.sampler, v.lit);
+        v.forwardness = forwardness(path, v);
+        const UInt32 index = choose_point(scene, found, path, v);
         const EmitterPtr emitter = emitter_of(scene, index, v.lit);
-        const Point3f light = emitter->sample_position(path.ray.time, Point2f(.5f), v.lit).first.p;
-        const Equiangular<Vector3f> view = seen_from(light, path, v);
+        const Point3f light = position(emitter, path.ray, v.lit);
+        const Equiangular<Vector3f> view = seen_from(light, path.ray, v);
         MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
         place(mi, path, v.near + view.sample(path.sampler->next_1d(v.lit)), v.lit);
 
@@ -546,7 +552,7 @@ private:
         const auto [ds, radiance] = emitter->sample_direction(mi, Point2f(.5f), v.lit);
         const auto [phase, phase_pdf] = path.medium->phase_function()->eval_pdf(
             PhaseFunctionContext(path.sampler), mi, ds.d, v.lit);
-        const Float pdf = view.pdf(mi.p - light) / (ScalarFloat) found.points.size();
+        const Float pdf = view.pdf(mi.p - light, v.exposures);
         const Float mis = m_distances == DistanceSampling::Mis
                               ? mis_weight(pdf, boost * natural * scene->pdf_emitter(index, v.lit) *
                                                     (ScalarFloat) found.emitter_samples)
@@ -563,34 +569,83 @@ private:
     Float weight_of_flight(const Survey &found, const Path &path, const Vertex &v,
                            const DirectionSample3f &ds) const {
         return mis_weight(v.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
-                          seen_from(ds.p, path, v).pdf(v.mi.p - ds.p) /
-                              (ScalarFloat) found.points.size());
+                          seen_from(ds.p, path.ray, v).pdf(v.mi.p - ds.p, v.exposures));
     }
 
     /// What a light sees of a ray.
-    static Equiangular<Vector3f> seen_from(const Point3f &light, const Path &path,
+    static Equiangular<Vector3f> seen_from(const Point3f &light, const Ray3f &ray,
                                            const Vertex &v) {
-        return { light - path.ray(v.near), path.ray.d, v.far - v.near };
+        return { light - ray(v.near), ray.d, v.far - v.near, v.forwardness };
     }
 
-    /// The number of one of the light sources at a point.
-    static UInt32 choose_point(const Survey &found, Sampler *sampler, const Mask &active) {
+    /// The asymmetry of the phase function, (1 + g)/(1 - g) of that of Henyey and Greenstein, where
+    /// the ray enters the medium.
+    static Float forwardness(const Path &path, const Vertex &v) {
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        place(mi, path, v.near, v.lit);
+        const PhaseFunctionContext context(path.sampler);
+        const PhaseFunctionPtr phase = path.medium->phase_function();
+        const Float forwards = phase->eval_pdf(context, mi, path.ray.d, v.lit).second,
+                    backwards = phase->eval_pdf(context, mi, -path.ray.d, v.lit).second,
+                    ratio = dr::cbrt(forwards / backwards);
+        return dr::select(dr::isfinite(ratio),
+                          dr::clip(ratio, 1.f / MaxForwardness, MaxForwardness), 1.f);
+    }
+
+    /// The number of a light source at a point, chosen in proportion to its exposure of the ray;
+    /// finds the sum of all.
+    static UInt32 choose_point(const Scene *scene, const Survey &found, const Path &path,
+                               Vertex &v) {
         const uint32_t size = (uint32_t) found.points.size();
-        if (size == 1)
-            return found.points[0];
-        const UInt32 choice =
-            dr::minimum(UInt32(sampler->next_1d(active) * (ScalarFloat) size), size - 1u);
+        if (size == 1) {
+            const UInt32 only = found.points[0];
+            v.exposures = exposure(scene, only, path.ray, v, v.lit);
+            return only;
+        }
+        struct Choice {
+            UInt32 next, chosen;
+            Float sum, u;
+            DRJIT_STRUCT(Choice, next, chosen, sum, u)
+        } choice{ 0, 0, 0.f, path.sampler->next_1d(v.lit) };
+        dr::tie(choice) = dr::while_loop(
+            dr::make_tuple(choice), [size](const Choice &c) { return c.next < size; },
+            [scene, found, ray = path.ray, v](Choice &c) {
+                const UInt32 index = point(found, c.next, v.lit);
+                const Float one = exposure(scene, index, ray, v, v.lit);
+                c.sum += one;
+                // What is left of the variate is as uniform.
+                const Float share = dr::select(c.sum > 0.f, one / c.sum, 0.f);
+                const Mask takes = c.u < share;
+                dr::masked(c.chosen, takes) = index;
+                c.u = dr::select(takes, c.u / share, (c.u - share) / (1.f - share));
+                c.next += 1u;
+            },
+            "analyticvolpath choice");
+        v.exposures = choice.sum;
+        return choice.chosen;
+    }
+
+    static Float exposure(const Scene *scene, const UInt32 &index, const Ray3f &ray,
+                          const Vertex &v, const Mask &active) {
+        return seen_from(position(emitter_of(scene, index, active), ray, active), ray, v)
+            .exposure();
+    }
+
+    static Point3f position(const EmitterPtr &emitter, const Ray3f &ray, const Mask &active) {
+        return emitter->sample_position(ray.time, Point2f(.5f), active).first.p;
+    }
+
+    /// The number among all emitters of a light source at a point.
+    static UInt32 point(const Survey &found, const UInt32 &i, const Mask &active) {
+        const uint32_t *points = found.points.data();
         if constexpr (dr::is_jit_v<Float>)
-            return dr::gather<UInt32>(dr::load<UInt32>(found.points.data(), size), choice, active);
+            return dr::gather<UInt32>(dr::load<UInt32>(points, found.points.size()), i, active);
         else
-            return found.points[choice];
+            return points[i];
     }
 
     static EmitterPtr emitter_of(const Scene *scene, const UInt32 &index, const Mask &active) {
-        if constexpr (dr::is_jit_v<Float>)
-            return dr::gather<EmitterPtr>(scene->emitters_dr(), index, active);
-        else
-            return scene->emitters()[index].get();
+        return dr::gather<EmitterPtr>(scene->emitters_dr(), index, active);
     }
 
     // ---- Path tracing
