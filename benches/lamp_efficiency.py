@@ -2,12 +2,12 @@
 
     python benches/lamp_efficiency.py [--variant NAME] [--rounds N] [--passes N]
 
-A road at night, in a fog that thins out upwards: a street lamp (`point`), and the headlights of a car
-that comes along (two `spot`). Efficiency is 1/(variance × process CPU time). Rounds are interleaved;
-each renders some passes of every method, with seeds of its own, and takes the variance over them pixel by
-pixel. Of pixels whose rays pass the lamp or a headlight at less than half a metre, and of the whole
-picture, the ratio of efficiencies to that of `free_flight` is the geometric mean, so that the few
-brightest pixels do not decide. Prints the median and the range of the rounds.
+A road at night, in a fog that thins out upwards: a street lamp (`point`), and the headlights of
+a car that comes along (two `spot`). Efficiency is 1/(variance × process CPU time). Rounds are
+interleaved; each renders some passes of every method, with seeds of its own, and takes the variance
+over them pixel by pixel, relative to the square of the pixel's mean over all rounds of `mis`. It is
+averaged over the pixels whose rays pass the lamp or a headlight at less than half a metre, and over
+the whole picture. Prints the efficiency over that of `free_flight`: median and range of the rounds.
 """
 
 import argparse
@@ -23,7 +23,7 @@ LAMP = np.array([2.5, 4.0, 4.0])
 HEADLIGHTS = np.array([[-2.0, 12.0, 0.7], [-0.8, 12.0, 0.7]])
 NEAR = 0.5  # m
 WIDTH, HEIGHT, FIELD = 96, 60, 50
-SAMPLES = {"scalar": 4, "llvm": 16}
+SAMPLES = {"scalar": 16, "llvm": 64}
 
 
 def colour(red, green, blue):
@@ -95,25 +95,26 @@ def measure(variant, rounds, passes):
     mi.set_variant(variant)
     scenes = {method: mi.load_dict(road(method)) for method in METHODS}
     samples = SAMPLES[variant.split("_")[0]]
-    efficiency = {method: [] for method in METHODS}
+    seconds = {method: [] for method in METHODS}
+    images = {method: [] for method in METHODS}
     for turn in range(-1, rounds):
         for method, scene in scenes.items():
-            images = []
+            seeds = (turn + 1) * passes + np.arange(passes)
             start = time.process_time()
-            for seed in range(passes):
-                images.append(
-                    np.array(mi.render(scene, spp=samples, seed=turn * passes + seed + passes))
-                )
-            seconds = time.process_time() - start
+            found = [np.array(mi.render(scene, spp=samples, seed=int(seed))) for seed in seeds]
             if turn >= 0:  # the first turn compiles the kernels
-                efficiency[method].append(1 / (np.var(images, axis=0, ddof=1).mean(-1) * seconds))
+                seconds[method].append(time.process_time() - start)
+                images[method].append(found)
+
+    mean = np.mean(images["mis"], axis=(0, 1))
+    noise = {m: (np.var(images[m], axis=1, ddof=1) / mean**2).mean(-1) for m in METHODS}
     for method in METHODS[1:]:
-        ratio = np.log(efficiency[method]) - np.log(efficiency[METHODS[0]])
         for name, pixels in regions().items():
-            rows = np.exp(ratio[:, pixels].mean(1))
+            cost = {m: noise[m][:, pixels].mean(1) * seconds[m] for m in (METHODS[0], method)}
+            ratio = cost[METHODS[0]] / cost[method]
             print(
-                f"{variant}: {method}, {name} ({pixels.sum()} pixels): {np.median(rows):.3g} "
-                f"times free_flight ({rows.min():.3g} to {rows.max():.3g})"
+                f"{variant}: {method}, {name} ({pixels.sum()} pixels): {np.median(ratio):.3g} "
+                f"times free_flight ({ratio.min():.3g} to {ratio.max():.3g})"
             )
 
 

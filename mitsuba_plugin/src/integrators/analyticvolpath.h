@@ -10,7 +10,7 @@
 
 #include "channels.h"
 #include "integrators/distance_sampling.h"
-#include "integrators/equiangular.h"
+#include "integrators/lit_segment.h"
 #include "integrators/survey.h"
 #include "spectral_sampling.h"
 
@@ -219,16 +219,8 @@ private:
         Spectrum background;
         /// Escapes, and counts as something that is seen.
         Mask visible;
-        /// The medium before the vertex, between two distances, has been lit by equiangular
-        /// sampling.
-        Mask lit;
-        Float near, far;
-        /// How much more the medium there scatters forwards than backwards: k of Equiangular.
-        Float forwardness;
-        /// Sum of what the light sources at a point shed on it, 1/length, if they were alike.
-        Float exposures;
-        /// Density at which the flight collided there, 1/length.
-        Float flight_pdf;
+        /// The medium before the vertex, where equiangular sampling has looked for light.
+        LitSegment<Float, Spectrum> lit;
     };
 
     /// The throughput of a path for the one channel that a variate chooses.
@@ -280,7 +272,7 @@ private:
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit = false;
+        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -523,129 +515,66 @@ private:
     void light_medium(const Scene *scene, const Survey &found, Path &path, Vertex &v,
                       const AnalyticPtr &analytic, const Float &end, const Float &t,
                       const Float &boost, const Mask &in_ours) const {
-        const auto [hit, near, far] = path.medium->intersect_aabb(path.ray);
-        v.near = near;
-        v.far = dr::minimum(far, end);
-        v.lit = in_ours && hit && v.near < v.far && path.depth + 1u < m_max_depth &&
-                path.medium->use_emitter_sampling();
-        if (dr::none_or<false>(v.lit))
+        const Ray3f &ray = path.ray;
+        const auto [hit, near, far] = path.medium->intersect_aabb(ray);
+        LitSegment<Float, Spectrum> &lit = v.lit;
+        lit.near = near;
+        lit.far = dr::minimum(far, end);
+        lit.active = in_ours && hit && lit.near < lit.far && path.depth + 1u < m_max_depth &&
+                     path.medium->use_emitter_sampling();
+        if (dr::none_or<false>(lit.active))
             return;
 
         const UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
-        if (m_distances == DistanceSampling::Mis) {
-            const Mask collides = v.lit && dr::isfinite(t) && t <= v.far;
-            const auto [scattered, pdf] = analytic->scattering_at(
-                m_rules, path.ray, dr::select(collides, t, 0.f), throughput, collides);
-            v.flight_pdf = boost * pdf;
+        const bool mis = m_distances == DistanceSampling::Mis;
+        if (mis) {
+            const Mask collides = lit.active && dr::isfinite(t) && t <= lit.far;
+            const Float place = dr::select(collides, t, 0.f);
+            lit.flight_pdf =
+                boost * analytic->scattering_at(m_rules, ray, place, throughput, collides).second;
         }
 
-        v.forwardness = forwardness(path, v);
-        const UInt32 index = choose_point(scene, found, path, v);
-        const EmitterPtr emitter = emitter_of(scene, index, v.lit);
-        const Point3f light = position(emitter, path.ray, v.lit);
-        const Equiangular<Vector3f> view = seen_from(light, path.ray, v);
+        lit.forwardness = forwardness(path, lit);
+        const UInt32 index = found.points.size() > 1
+                                 ? lit.choose(scene, found, ray, path.sampler->next_1d(lit.active))
+                                 : lit.choose_only(scene, found, ray);
+        const EmitterPtr emitter = lit.emitter(scene, index);
+        const Point3f light = lit.position(emitter, ray);
         MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
-        place(mi, path, v.near + view.sample(path.sampler->next_1d(v.lit)), v.lit);
+        const Float u = path.sampler->next_1d(lit.active);
+        place(mi, path, lit.near + lit.seen_from(ray, light).sample(u), lit.active);
 
         const auto [scattered, natural] =
-            analytic->scattering_at(m_rules, path.ray, mi.t, throughput, v.lit);
-        const auto [ds, radiance] = emitter->sample_direction(mi, Point2f(.5f), v.lit);
+            analytic->scattering_at(m_rules, ray, mi.t, throughput, lit.active);
+        const auto [ds, radiance] = emitter->sample_direction(mi, Point2f(.5f), lit.active);
         const auto [phase, phase_pdf] = path.medium->phase_function()->eval_pdf(
-            PhaseFunctionContext(path.sampler), mi, ds.d, v.lit);
-        const Float pdf = view.pdf(mi.p - light, v.exposures);
-        const Float mis = m_distances == DistanceSampling::Mis
-                              ? mis_weight(pdf, boost * natural * scene->pdf_emitter(index, v.lit) *
-                                                    (ScalarFloat) found.emitter_samples)
-                              : 1.f;
-        const Spectrum value = path.throughput * phase * scattered * radiance * (mis / pdf);
-        const Mask arrives = v.lit && pdf > 0.f && dr::any(unpolarized_spectrum(value) != 0.f);
+            PhaseFunctionContext(path.sampler), mi, ds.d, lit.active);
+        const Float pdf = lit.pdf(ray, light, mi.p),
+                    flight_pdf = boost * natural * scene->pdf_emitter(index, lit.active) *
+                                 (ScalarFloat) found.emitter_samples,
+                    weight = (mis ? mis_weight(pdf, flight_pdf) : 1.f) / pdf;
+        const Spectrum value = path.throughput * phase * scattered * radiance * weight;
+        // Not finite in the light source itself.
+        const Float brightness = dr::sum(unpolarized_spectrum(value));
+        const Mask arrives = lit.active && brightness > 0.f && dr::isfinite(brightness);
         if (dr::any_or<true>(arrives))
             dr::masked(path.result, arrives) +=
                 value * transmittance(scene, found, path.sampler, mi.spawn_ray_to(ds.p),
                                       path.medium, false, arrives);
     }
 
-    /// Weight of light of a source at a point, by MIS, where a flight has collided.
-    Float weight_of_flight(const Survey &found, const Path &path, const Vertex &v,
-                           const DirectionSample3f &ds) const {
-        return mis_weight(v.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
-                          seen_from(ds.p, path.ray, v).pdf(v.mi.p - ds.p, v.exposures));
-    }
-
-    /// What a light sees of a ray.
-    static Equiangular<Vector3f> seen_from(const Point3f &light, const Ray3f &ray,
-                                           const Vertex &v) {
-        return { light - ray(v.near), ray.d, v.far - v.near, v.forwardness };
-    }
-
     /// The asymmetry of the phase function, (1 + g)/(1 - g) of that of Henyey and Greenstein, where
     /// the ray enters the medium.
-    static Float forwardness(const Path &path, const Vertex &v) {
+    static Float forwardness(const Path &path, const LitSegment<Float, Spectrum> &lit) {
         MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
-        place(mi, path, v.near, v.lit);
+        place(mi, path, lit.near, lit.active);
         const PhaseFunctionContext context(path.sampler);
         const PhaseFunctionPtr phase = path.medium->phase_function();
-        const Float forwards = phase->eval_pdf(context, mi, path.ray.d, v.lit).second,
-                    backwards = phase->eval_pdf(context, mi, -path.ray.d, v.lit).second,
+        const Float forwards = phase->eval_pdf(context, mi, path.ray.d, lit.active).second,
+                    backwards = phase->eval_pdf(context, mi, -path.ray.d, lit.active).second,
                     ratio = dr::cbrt(forwards / backwards);
         return dr::select(dr::isfinite(ratio),
                           dr::clip(ratio, 1.f / MaxForwardness, MaxForwardness), 1.f);
-    }
-
-    /// The number of a light source at a point, chosen in proportion to its exposure of the ray;
-    /// finds the sum of all.
-    static UInt32 choose_point(const Scene *scene, const Survey &found, const Path &path,
-                               Vertex &v) {
-        const uint32_t size = (uint32_t) found.points.size();
-        if (size == 1) {
-            const UInt32 only = found.points[0];
-            v.exposures = exposure(scene, only, path.ray, v, v.lit);
-            return only;
-        }
-        struct Choice {
-            UInt32 next, chosen;
-            Float sum, u;
-            DRJIT_STRUCT(Choice, next, chosen, sum, u)
-        } choice{ 0, 0, 0.f, path.sampler->next_1d(v.lit) };
-        dr::tie(choice) = dr::while_loop(
-            dr::make_tuple(choice), [size](const Choice &c) { return c.next < size; },
-            [scene, found, ray = path.ray, v](Choice &c) {
-                const UInt32 index = point(found, c.next, v.lit);
-                const Float one = exposure(scene, index, ray, v, v.lit);
-                c.sum += one;
-                // What is left of the variate is as uniform.
-                const Float share = dr::select(c.sum > 0.f, one / c.sum, 0.f);
-                const Mask takes = c.u < share;
-                dr::masked(c.chosen, takes) = index;
-                c.u = dr::select(takes, c.u / share, (c.u - share) / (1.f - share));
-                c.next += 1u;
-            },
-            "analyticvolpath choice");
-        v.exposures = choice.sum;
-        return choice.chosen;
-    }
-
-    static Float exposure(const Scene *scene, const UInt32 &index, const Ray3f &ray,
-                          const Vertex &v, const Mask &active) {
-        return seen_from(position(emitter_of(scene, index, active), ray, active), ray, v)
-            .exposure();
-    }
-
-    static Point3f position(const EmitterPtr &emitter, const Ray3f &ray, const Mask &active) {
-        return emitter->sample_position(ray.time, Point2f(.5f), active).first.p;
-    }
-
-    /// The number among all emitters of a light source at a point.
-    static UInt32 point(const Survey &found, const UInt32 &i, const Mask &active) {
-        const uint32_t *points = found.points.data();
-        if constexpr (dr::is_jit_v<Float>)
-            return dr::gather<UInt32>(dr::load<UInt32>(points, found.points.size()), i, active);
-        else
-            return points[i];
-    }
-
-    static EmitterPtr emitter_of(const Scene *scene, const UInt32 &index, const Mask &active) {
-        return dr::gather<EmitterPtr>(scene->emitters_dr(), index, active);
     }
 
     // ---- Path tracing
@@ -682,7 +611,7 @@ private:
             medium_samples_light = in_medium && path.medium->use_emitter_sampling();
             // Light of sources at a point may have been found on the way.
             if (found.only_points && m_distances == DistanceSampling::Equiangular)
-                samples_light |= medium_samples_light && !v.lit;
+                samples_light |= medium_samples_light && !v.lit.active;
             else
                 samples_light |= medium_samples_light;
         }
@@ -820,8 +749,8 @@ private:
         active &= dr::any(unpolarized_spectrum(value) != 0.f);
         Mask twice = false;
         if (found.lit()) {
-            twice =
-                at_medium && v.lit && has_flag(ds.emitter->flags(), EmitterFlags::DeltaPosition);
+            twice = at_medium && v.lit.active &&
+                    has_flag(ds.emitter->flags(), EmitterFlags::DeltaPosition);
             if (m_distances == DistanceSampling::Equiangular)
                 active &= !twice;
         }
@@ -837,7 +766,9 @@ private:
         Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
                                dr::select(ds.delta, 0.f, value_pdf));
         if (m_distances == DistanceSampling::Mis && dr::any_or<true>(twice))
-            dr::masked(mis, twice) *= weight_of_flight(found, path, v, ds);
+            dr::masked(mis, twice) *=
+                mis_weight(v.lit.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
+                           v.lit.pdf(path.ray, ds.p, v.mi.p));
         return dr::select(active, value * through * light * mis, 0.f);
     }
 
