@@ -78,8 +78,8 @@ INSIDE = {"lamp": [-0.1, -0.5, 0.62], "headlight": [0.2, -0.6, -0.48]}
 
 
 def lantern(medium, space=False, lights=OUTSIDE, **film):
-    """The ball of fog with a lamp and a headlight close to it, a glowing sphere, a sun and a sky; in
-    black `space` it is a cube with the lamp and the headlight only, and no boundary.
+    """The ball of fog with a lamp and a headlight close to it, a glowing sphere, a sun and a sky.
+    In black `space` it is a cube with the lamp and the headlight only, and no boundary.
 
     The lights are outside of the fog, since inside of it the variance of free flights is infinite.
     """
