@@ -2,12 +2,11 @@
 
 #pragma once
 
+#include <sstream>
 #include <string>
 
-#include <mitsuba/core/logger.h>
-#include <mitsuba/core/properties.h>
-
 #include "channels.h"
+#include "choice.h"
 
 namespace mitsuba {
 
@@ -64,8 +63,6 @@ struct FlightRules {
     }
 
 private:
-    template <typename Value> using Names = std::vector<std::pair<const char *, Value>>;
-
     static Names<SpectralSampling> sampling_names() {
         return { { "single", SpectralSampling::Single },
                  { "average", SpectralSampling::Average },
@@ -80,27 +77,6 @@ private:
     }
 
     static Names<bool> absorption_names() { return { { "weight", false }, { "analogue", true } }; }
-
-    template <typename Value>
-    static const char *name_of(const Names<Value> &names, const Value &value) {
-        for (const auto &[name, candidate] : names)
-            if (candidate == value)
-                return name;
-        return "";
-    }
-
-    template <typename Value>
-    static Value one_of(const Properties &props, const char *property, const Names<Value> &names,
-                        const Value &otherwise) {
-        const auto given = props.get<std::string>(property, name_of(names, otherwise));
-        std::string known;
-        for (const auto &[name, value] : names) {
-            if (given == name)
-                return value;
-            known += (known.empty() ? "" : ", ") + std::string(name);
-        }
-        Throw("\"%s\" must be one of %s, got \"%s\"", property, known, given);
-    }
 };
 
 /// The number that a flight is drawn from, out of those of the channels.

@@ -9,6 +9,8 @@
 #include <mitsuba/render/records.h>
 
 #include "channels.h"
+#include "integrators/distance_sampling.h"
+#include "integrators/lit_segment.h"
 #include "integrators/survey.h"
 #include "spectral_sampling.h"
 
@@ -60,6 +62,15 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
    - ``weight``: paths go on with what is not absorbed. ``analogue``: they end with the probability
      of absorption. (Default: ``weight``)
 
+ * - distance_sampling
+   - |string|
+   - Where media are lit by light sources at a point (``point``, ``spot``, ``projector``), as seen
+     along each segment of a path. ``free_flight``: where its flight collides. ``equiangular``: at a
+     distance of its own, drawn by equiangular sampling, which takes another light sample. ``mis``:
+     at both, weighted by the power heuristic. For lamps in fog. Other light sources, the paths
+     themselves, and scenes without such lights, are treated as by ``free_flight``. (Default:
+     ``free_flight``)
+
 A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their sums,
 :ref:`overlap <medium-overlap>`. Free flights are drawn by
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
@@ -104,6 +115,7 @@ public:
         if (samples < 0 || samples > 64)
             Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
         m_emitter_samples = (uint32_t) samples;
+        m_distances = one_of(props, "distance_sampling", distance_names(), m_distances);
     }
 
     TensorXf render(Scene *scene, Sensor *sensor, UInt32 seed, uint32_t spp, bool develop,
@@ -148,7 +160,8 @@ public:
             << "  rr_depth = " << m_rr_depth << "," << std::endl
             << "  hide_emitters = " << m_hide_emitters << "," << std::endl
             << "  emitter_samples = " << m_emitter_samples << "," << std::endl
-            << m_rules.to_string() << std::endl
+            << m_rules.to_string() << "," << std::endl
+            << "  distance_sampling = " << name_of(distance_names(), m_distances) << std::endl
             << "]";
         return oss.str();
     }
@@ -162,6 +175,8 @@ private:
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
     static constexpr uint32_t DefaultRouletteDepth = 2;
+    /// Equiangular sampling follows phase functions up to this asymmetry, that of g = 0.98.
+    static constexpr ScalarFloat MaxForwardness = 100.f;
     /// Colours or wavelengths of a path.
     static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
 
@@ -204,6 +219,8 @@ private:
         Spectrum background;
         /// Escapes, and counts as something that is seen.
         Mask visible;
+        /// The medium before the vertex, where equiangular sampling has looked for light.
+        LitSegment<Float, Spectrum> lit;
     };
 
     /// The throughput of a path for the one channel that a variate chooses.
@@ -222,6 +239,8 @@ private:
             found.emitter_samples = m_emitter_samples;
         // Where collisions bring no light, what is behind them need not be sampled.
         found.sky &= m_max_depth > 1;
+        if (m_distances == DistanceSampling::FreeFlight || !found.analytic || m_max_depth < 2)
+            found.points.clear();
         return found;
     }
 
@@ -285,12 +304,14 @@ private:
             v.mi = path.medium->sample_interaction(path.ray, u.place[0], channel, in_foreign);
             dr::masked(t, in_foreign) = v.mi.t;
         }
-        // The ray needs to be traced only as far as the flight goes.
-        path.ray.maxt = dr::minimum(reach, t);
+        // The ray needs to be traced only as far as the flight goes, unless more of it is lit.
+        if (!found.lit())
+            path.ray.maxt = dr::minimum(reach, t);
         v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_medium && !v.si.is_valid() && t < reach;
+        Mask collided = in_medium && (found.lit() ? t < v.si.t : !v.si.is_valid()) && t < reach;
         const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
 
+        Float boost = 1.f; // of collisions over what they are in nature
         v.background = path.throughput;
         if (ours && found.sky)
             end_flight(found, flight, analytic, path.ray, end, throughput, in_ours && !collided);
@@ -305,8 +326,13 @@ private:
             // A path that is bound to collide stands for those that do not, too.
             const Float seen = dr::sum(channel_chances(throughput) * (1.f - flight.past));
             v.visible = v.escapes && !path.behind && u.event < seen;
+            if (found.lit())
+                boost = dr::minimum(gain, dr::rcp(seen));
             dr::masked(v.background, v.escapes) *= dr::select(path.behind, 0.f, flight.past);
         }
+        if (ours && found.lit())
+            light_medium(scene, found, path, v, analytic, dr::minimum(v.si.t, limit(reach)), t,
+                         boost, in_ours);
         if (ours) {
             const Mask meets = in_ours && collided;
             dr::masked(path.throughput, in_ours) *= flight.weight;
@@ -318,14 +344,20 @@ private:
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
 
-        dr::masked(v.mi.t, collided) = t;
-        dr::masked(v.mi.p, collided) = path.ray(t);
-        dr::masked(v.mi.wi, collided) = -path.ray.d;
-        dr::masked(v.mi.sh_frame, collided) = Frame3f(v.mi.wi);
-        dr::masked(v.mi.time, collided) = path.ray.time;
-        dr::masked(v.mi.wavelengths, collided) = path.ray.wavelengths;
-        dr::masked(v.mi.medium, collided) = path.medium;
+        place(v.mi, path, t, collided);
         return v;
+    }
+
+    /// A place in the medium of a path, at the distance `t` on its ray.
+    static void place(MediumInteraction3f &mi, const Path &path, const Float &t,
+                      const Mask &active) {
+        dr::masked(mi.t, active) = t;
+        dr::masked(mi.p, active) = path.ray(t);
+        dr::masked(mi.wi, active) = -path.ray.d;
+        dr::masked(mi.sh_frame, active) = Frame3f(mi.wi);
+        dr::masked(mi.time, active) = path.ray.time;
+        dr::masked(mi.wavelengths, active) = path.ray.wavelengths;
+        dr::masked(mi.medium, active) = path.medium;
     }
 
     /// Weighs flights that have been drawn for longer, and end at `end` without a collision.
@@ -467,6 +499,84 @@ private:
         s.active &= !arrives && s.rest > 0.f && dr::any(unpolarized_spectrum(s.result) != 0.f);
     }
 
+    // ---- Light sources at a point
+
+    /**
+     * Adds light of a source at a point that the medium scatters along the ray of `path`, up to the
+     * distance `end`. The light source is chosen by what it would shed on the ray in the clear,
+     * the distance drawn by equiangular sampling.
+     *
+     * That is an estimate beside the path, which goes on from its flight: what else the path finds
+     * does not suffer, wherever the light is.
+     *
+     * \param t, boost  of the flight's collision: its distance, and how much more probable it is
+     *    than in nature
+     */
+    void light_medium(const Scene *scene, const Survey &found, Path &path, Vertex &v,
+                      const AnalyticPtr &analytic, const Float &end, const Float &t,
+                      const Float &boost, const Mask &in_ours) const {
+        const Ray3f &ray = path.ray;
+        const auto [hit, near, far] = path.medium->intersect_aabb(ray);
+        LitSegment<Float, Spectrum> &lit = v.lit;
+        lit.near = near;
+        lit.far = dr::minimum(far, end);
+        lit.active = in_ours && hit && lit.near < lit.far && path.depth + 1u < m_max_depth &&
+                     path.medium->use_emitter_sampling();
+        if (dr::none_or<false>(lit.active))
+            return;
+
+        const UnpolarizedSpectrum throughput = unpolarized_spectrum(path.throughput);
+        const bool mis = m_distances == DistanceSampling::Mis;
+        if (mis) {
+            const Mask collides = lit.active && dr::isfinite(t) && t <= lit.far;
+            const Float place = dr::select(collides, t, 0.f);
+            lit.flight_pdf =
+                boost * analytic->scattering_at(m_rules, ray, place, throughput, collides).second;
+        }
+
+        lit.forwardness = forwardness(path, lit);
+        const UInt32 index = found.points.size() > 1
+                                 ? lit.choose(scene, found, ray, path.sampler->next_1d(lit.active))
+                                 : lit.choose_only(scene, found, ray);
+        const EmitterPtr emitter = lit.emitter(scene, index);
+        const Point3f light = lit.position(emitter, ray);
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        const Float u = path.sampler->next_1d(lit.active);
+        place(mi, path, lit.near + lit.seen_from(ray, light).sample(u), lit.active);
+
+        const auto [scattered, natural] =
+            analytic->scattering_at(m_rules, ray, mi.t, throughput, lit.active);
+        const auto [ds, radiance] = emitter->sample_direction(mi, Point2f(.5f), lit.active);
+        const auto [phase, phase_pdf] = path.medium->phase_function()->eval_pdf(
+            PhaseFunctionContext(path.sampler), mi, ds.d, lit.active);
+        const Float pdf = lit.pdf(ray, light, mi.p),
+                    flight_pdf = boost * natural * scene->pdf_emitter(index, lit.active) *
+                                 (ScalarFloat) found.emitter_samples,
+                    weight = (mis ? mis_weight(pdf, flight_pdf) : 1.f) / pdf;
+        const Spectrum value = path.throughput * phase * scattered * radiance * weight;
+        // Not finite in the light source itself.
+        const Float brightness = dr::sum(unpolarized_spectrum(value));
+        const Mask arrives = lit.active && brightness > 0.f && dr::isfinite(brightness);
+        if (dr::any_or<true>(arrives))
+            dr::masked(path.result, arrives) +=
+                value * transmittance(scene, found, path.sampler, mi.spawn_ray_to(ds.p),
+                                      path.medium, false, arrives);
+    }
+
+    /// The asymmetry of the phase function, (1 + g)/(1 - g) of that of Henyey and Greenstein, where
+    /// the ray enters the medium.
+    static Float forwardness(const Path &path, const LitSegment<Float, Spectrum> &lit) {
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        place(mi, path, lit.near, lit.active);
+        const PhaseFunctionContext context(path.sampler);
+        const PhaseFunctionPtr phase = path.medium->phase_function();
+        const Float forwards = phase->eval_pdf(context, mi, path.ray.d, lit.active).second,
+                    backwards = phase->eval_pdf(context, mi, -path.ray.d, lit.active).second,
+                    ratio = dr::cbrt(forwards / backwards);
+        return dr::select(dr::isfinite(ratio),
+                          dr::clip(ratio, 1.f / MaxForwardness, MaxForwardness), 1.f);
+    }
+
     // ---- Path tracing
 
     /// One vertex: emission found, light sampled, next direction.
@@ -499,7 +609,11 @@ private:
         if (found.media() && dr::any_or<true>(in_medium)) {
             dr::masked(phase, in_medium) = path.medium->phase_function();
             medium_samples_light = in_medium && path.medium->use_emitter_sampling();
-            samples_light |= medium_samples_light;
+            // Light of sources at a point may have been found on the way.
+            if (found.only_points && m_distances == DistanceSampling::Equiangular)
+                samples_light |= medium_samples_light && !v.lit.active;
+            else
+                samples_light |= medium_samples_light;
         }
 
         // ---- Light sources
@@ -633,6 +747,13 @@ private:
             dr::masked(value_pdf, at_medium) = phase_pdf;
         }
         active &= dr::any(unpolarized_spectrum(value) != 0.f);
+        Mask twice = false;
+        if (found.lit()) {
+            twice = at_medium && v.lit.active &&
+                    has_flag(ds.emitter->flags(), EmitterFlags::DeltaPosition);
+            if (m_distances == DistanceSampling::Equiangular)
+                active &= !twice;
+        }
 
         Ray3f ray = here.spawn_ray_to(ds.p);
         MediumPtr medium = path.medium;
@@ -644,6 +765,10 @@ private:
         Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
         Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
                                dr::select(ds.delta, 0.f, value_pdf));
+        if (m_distances == DistanceSampling::Mis && dr::any_or<true>(twice))
+            dr::masked(mis, twice) *=
+                mis_weight(v.lit.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
+                           v.lit.pdf(path.ray, ds.p, v.mi.p));
         return dr::select(active, value * through * light * mis, 0.f);
     }
 
@@ -667,6 +792,7 @@ private:
     /// Light samples per vertex, 0 for what the survey says.
     uint32_t m_emitter_samples;
     FlightRules m_rules;
+    DistanceSampling m_distances = DistanceSampling::FreeFlight;
     Survey m_survey;
     /// The scene that `m_survey` is about, while it is being rendered.
     const Scene *m_surveyed = nullptr;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/emitter.h>
 #include <mitsuba/render/medium.h>
 #include <mitsuba/render/scene.h>
 #include <mitsuba/render/sensor.h>
@@ -33,10 +35,17 @@ struct Survey {
     bool permeable = false;
     /// The most components that a medium of ours has.
     size_t components = 0;
+    /// Light sources at a point: their numbers among the emitters of the scene. Without those that
+    /// are never sampled.
+    std::vector<uint32_t> points;
+    /// There are no others.
+    bool only_points = false;
     /// Light samples per vertex: sun and sky get one each.
     uint32_t emitter_samples = 1;
 
     bool media() const { return analytic || foreign; }
+    /// Rays through media are lit by light sources at a point.
+    bool lit() const { return !points.empty(); }
     /// Uniform variates that a flight takes.
     size_t variates() const { return std::min(std::max(components, size_t(foreign)), MaxVariates); }
 };
@@ -58,6 +67,12 @@ Survey survey(const Scene<Float, Spectrum> *scene, const Medium<Float, Spectrum>
             found.foreign = true;
         }
     };
+    for (uint32_t i = 0; i < scene->emitters().size(); ++i) {
+        const Emitter<Float, Spectrum> &emitter = *scene->emitters()[i];
+        if (has_flag(emitter.flags(), EmitterFlags::DeltaPosition) && emitter.sampling_weight() > 0)
+            found.points.push_back(i);
+    }
+    found.only_points = found.points.size() == scene->emitters().size();
     found.emitter_samples = scene->emitters().size() > 1 ? 2 : 1;
     found.sky = scene->environment() != nullptr;
     look_at(initial);

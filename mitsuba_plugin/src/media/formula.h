@@ -211,6 +211,48 @@ public:
                               matter(true, mi, active).depth(segment, segment.length));
     }
 
+    /**
+     * What flights along `ray` bring from the distance `t`, for estimates that choose the distance
+     * by other means.
+     *
+     * \return what gets there times the scattering coefficient, 1/length: by tracking, where null
+     *    collisions have flights of their own, what has not collided with the majorant; and the
+     *    density of the collisions of `sample_flight`, 1/length
+     */
+    std::pair<UnpolarizedSpectrum, Float> scattering_at(const FlightRules &rules, const Ray3f &ray,
+                                                        const Float &t,
+                                                        const UnpolarizedSpectrum &throughput,
+                                                        Mask active) const {
+        MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
+        MediumInteraction3f mi = interaction(ray);
+        const Segment segment = inside(ray, t);
+        Matter matter = this->matter(true, mi, active);
+        if (matter.count == 0)
+            return { 0.f, 0.f };
+        matter.find_columns(segment);
+        const UnpolarizedSpectrum depth = matter.depth(),
+                                  past = unabsorbed(segment, segment.length, mi, active);
+        mi.t = t;
+        mi.p = ray(t);
+        const Coefficients at = coefficients(matter, mi, active);
+        // The factor that coefficients of a single component leave out.
+        const Float density = components() == 1 ? matter.component[0]->density(mi.p) : Float(1.f);
+
+        const SpectralSampling from = sampling(rules);
+        UnpolarizedSpectrum through = dr::exp(-depth);
+        Float pdf = dr::sum(channel_chances(throughput) * at.extinction * through);
+        if (from == SpectralSampling::Average)
+            pdf = dr::mean(at.extinction) * dr::exp(-dr::mean(depth));
+        if (from == SpectralSampling::Tracking) {
+            Float sum = 0.f;
+            for (size_t i = 0; i < matter.parts(); ++i)
+                sum += matter.depth(i, Drawn{ from });
+            through = dr::exp(-sum);
+            pdf = at.bound * dr::exp(-sum);
+        }
+        return { through * past * at.scattering() * density, pdf * density };
+    }
+
     /// Transmittance over the distance `t`, which may be infinite.
     UnpolarizedSpectrum transmittance(const Ray3f &ray, Float t, Mask active) const {
         MI_MASKED_FUNCTION(ProfilerPhase::MediumEvaluate, active);
@@ -524,5 +566,6 @@ DRJIT_CALL_GETTER(is_analytic)
 DRJIT_CALL_METHOD(sample_flight)
 DRJIT_CALL_METHOD(sample_collision)
 DRJIT_CALL_METHOD(passing_weight)
+DRJIT_CALL_METHOD(scattering_at)
 DRJIT_CALL_METHOD(transmittance)
 DRJIT_CALL_END()
