@@ -85,6 +85,12 @@ public:
         return dr::select(lost > 0.f, scattered / lost, 0.f);
     }
 
+    /// Throws unless the albedo is the same everywhere, as the other quantities are.
+    void require_uniform() const {
+        if (m_albedo)
+            m_albedo.require_uniform();
+    }
+
     std::string to_string() const {
         std::ostringstream oss;
         for (const Quantity *quantity : quantities())

@@ -27,6 +27,7 @@ public:
     /// Whether a scene states the extinction by colour or wavelength.
     bool chromatic() const { return m_coefficients.chromatic(); }
     const Profile &profile() const { return m_profile; }
+    const Coefficients<Float, Spectrum> &coefficients() const { return m_coefficients; }
     const PhaseFunction *phase() const { return m_phase.get(); }
     /// False if a scene gives the albedo 0, and has not changed anything since.
     bool scatters() const { return m_coefficients.scatters(); }

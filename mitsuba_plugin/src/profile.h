@@ -37,6 +37,21 @@ public:
         update();
     }
 
+    /// Name of the kind, as in a scene.
+    const std::string &name() const { return m_name; }
+
+    /// The parameters as slots of `tape`; for JIT variants.
+    am_profile_nodes record_parameters(Tape<Float> &tape) const {
+        am_profile_nodes profile{};
+        profile.kind = m_kind;
+        for (const Parameter &p : m_parameters)
+            for (uint32_t i = 0; i < p.size; ++i)
+                profile.values[p.offset + i] = tape.input(value(p, i));
+        return profile;
+    }
+    /// The parameters as plain data; for scalar variants.
+    const am_profile &plain() const { return m_profile; }
+
     /// Exposes every parameter under its own name.
     void traverse(TraversalCallback *cb) {
         for (const Parameter &p : m_parameters) {
@@ -231,15 +246,6 @@ private:
         for (const Parameter &p : m_parameters)
             for (uint32_t i = 0; i < p.size; ++i)
                 profile.values[p.offset + i] = dr::slice(dr::detach(value(p, i)));
-        return profile;
-    }
-
-    am_profile_nodes record_parameters(Tape<Float> &tape) const {
-        am_profile_nodes profile{};
-        profile.kind = m_kind;
-        for (const Parameter &p : m_parameters)
-            for (uint32_t i = 0; i < p.size; ++i)
-                profile.values[p.offset + i] = tape.input(value(p, i));
         return profile;
     }
 

@@ -98,6 +98,9 @@ public:
 
     /// Number of components.
     size_t components() const { return m_components.size(); }
+    const Component &component(size_t i) const { return *m_components[i]; }
+    /// What the medium fills.
+    const Extent<Float, Spectrum> &extent() const { return m_extent; }
     /// Whether some of them do not scatter.
     bool absorbs() const {
         return std::any_of(m_components.begin(), m_components.end(),
