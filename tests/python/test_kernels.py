@@ -78,3 +78,20 @@ def test_kernel_is_no_larger_than_stock_tracking_a_grid(variant, history):
         sizes[integrator] = max(k["operation_count"] for k in kernels())
     print(f"\n    operations: {sizes}", end="")
     assert sizes["analyticvolpath"] <= 1.5 * sizes["volpath"]
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
+def test_lights_at_a_point_cost_nothing_where_there_are_none(variant, history):
+    """With `distance_sampling`, the kernel is that of free flights."""
+
+    def hashes(strategy):
+        gc.collect()
+        scene = scenes.ball(scenes.exponential_fog(), size=16)
+        del scene["lamp"]
+        integrator = {"type": "analyticvolpath", "distance_sampling": strategy, "max_depth": 6}
+        scene = mi.load_dict(scene | {"integrator": integrator})
+        kernels()
+        dr.eval(mi.render(scene, spp=2, seed=0))
+        return {k["hash"] for k in kernels()}
+
+    assert hashes("free_flight") == hashes("mis")
