@@ -273,6 +273,56 @@ fn table_of_costs() {
     assert_eq!(methods, 3 * 4 + 1 + 3 + 3);
 }
 
+/// Prints the error against the cost: all rows but spots.
+#[test]
+fn table_of_error_against_cost() {
+    let print = |name: &str, groups: BTreeMap<String, Group>| {
+        let Group(all) = &groups["all"];
+        let at = |share: f64| all[((all.len() - 1) as f64 * share) as usize];
+        let (half, most, worst) = (at(0.5), at(0.9), at(1.0));
+        println!("| {name} | {half:.0e} | {most:.0e} | {worst:.0e} |");
+        all.len()
+    };
+    println!("\n| method | half of the rows | nine in ten | all |");
+    let one = |_: &Value| "all".to_string();
+    let all = |_: &Value| true;
+    let mut rows = 0;
+    for points in [8, 16, 24, 32, 48] {
+        let name = format!("quadrature, {points} points");
+        rows = print(&name, errors(one, all, |r| by_points(r, points)));
+    }
+    let ours = [
+        (
+            "closed form, 4 terms",
+            errors(one, all, |r| ours::<4>(r, Expansion::Midpoint)),
+        ),
+        (
+            "closed form, 6 terms",
+            errors(one, all, |r| ours::<6>(r, Expansion::Midpoint)),
+        ),
+        (
+            "closed form, 12 terms",
+            errors(one, all, |r| ours::<12>(r, Expansion::Midpoint)),
+        ),
+        (
+            "as printed, 4 terms",
+            errors(one, all, |r| {
+                paper::<4>(r, Form::Combined, Expansion::Midpoint)
+            }),
+        ),
+        (
+            "as printed, 6 terms",
+            errors(one, all, |r| {
+                paper::<6>(r, Form::Combined, Expansion::Midpoint)
+            }),
+        ),
+    ];
+    for (name, groups) in ours {
+        assert_eq!(print(name, groups), rows);
+    }
+    assert_eq!(rows, 298);
+}
+
 /// What the error estimate of `radiance_within` is worth, and how many points it takes.
 #[test]
 fn estimates_bound_the_error() {

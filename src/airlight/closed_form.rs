@@ -7,7 +7,7 @@
 //! Rayleigh and lobes, ±i (1 − g)/(1 + g) for Henyey–Greenstein.
 
 use super::AirLight;
-use super::frame::Frame;
+use super::frame::{Frame, Point};
 use super::jet::Jet;
 use super::moments;
 use super::phase::PhaseFunction;
@@ -78,9 +78,9 @@ fn series<R: Real, const N: usize>(
     let lift = Jet::constant;
     let (w, sign) = (Jet::variable(point), lift(piece.sign));
     let frame = frame.map(lift);
-    let toward = frame.toward(sign, w / frame.height, w * w);
-    let value = air.light.intensity.map(lift).value(&toward)
-        * air.phase.map(lift).value(frame.deflection(sign, w * w));
+    let at = Point::new(sign, w / frame.height, frame.height);
+    let value = air.light.intensity.map(lift).value(&frame.toward(&at))
+        * air.phase.map(lift).value(at.deflection());
     value.about_zero(point)
 }
 
