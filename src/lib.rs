@@ -22,7 +22,8 @@
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
 //! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] stands beside
-//! `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers.
+//! `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers; [`airlight`], single
+//! scattering in a uniform medium, has the equation numbers and symbols of its own paper.
 
 pub mod airlight;
 pub mod coefficients;

@@ -98,6 +98,30 @@ fn segments_add_up() {
     }
 }
 
+/// Peaks that are sharper than those of the table: the whole against the sum of twelve parts, each of
+/// which has its own points.
+#[test]
+fn sharp_peaks_are_resolved() {
+    let mut random = Random::with_seed(7);
+    let mut worst = 0.0f64;
+    for i in 0..600 {
+        let mut numbers = numbers(&mut random);
+        numbers[8] = [0.99, -0.99][i % 2];
+        let exponent = [0, 32][i / 2 % 2];
+        let (a, length) = (random.between(-5.0, 5.0), 6.0);
+        let whole = radiance(&numbers, exponent, a, a + length);
+        let parts = (0..12).map(|k| {
+            let way = length * f64::from(k) / 12.0;
+            let part = radiance(&numbers, exponent, a + way, a + way + length / 12.0);
+            (-numbers[7] * way).exp() * part
+        });
+        let parts: f64 = parts.sum();
+        worst = worst.max((whole - parts).abs() / (parts + 1e-290));
+    }
+    println!("worst {worst:e}");
+    assert!(worst <= 1e-7);
+}
+
 /// The light may lie on the ray, as long as the segment does not reach it.
 #[test]
 fn a_light_on_the_ray_is_a_limit() {

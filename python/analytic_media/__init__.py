@@ -6,10 +6,10 @@
     fog.transmittance(o=(0, 0, 2), d=(1, 0, 0), t=50)
 
 `am.airlight` is what a point light adds in a uniform one, with the phase functions and lights of
-`am.scattering`. `am.special` has the functions behind it, `am.coefficients` the ways to state a medium, and
-`am.spectral` the weights of paths that carry several wavelengths; `am.jit` asks the same of Dr.Jit
-arrays; `am.earth()` and its like are scenes for Mitsuba. Importing the package makes its plugins
-known to Mitsuba, if it is installed.
+`am.scattering`. `am.special` has the functions behind it, `am.coefficients` the ways to state a
+medium, and `am.spectral` the weights of paths that carry several wavelengths; `am.jit` asks the
+same of Dr.Jit arrays; `am.earth()` and its like are scenes for Mitsuba. Importing the package makes
+its plugins known to Mitsuba, if it is installed.
 """
 
 from . import coefficients, jit, presets, scattering, special, spectral
