@@ -21,8 +21,9 @@
 //! Equation numbers are those of the article "Sampling Analytic Participating Media".
 //!
 //! Map: [`real`] (the arithmetic) ← [`special`] (functions) ← [`profile`] ← [`medium`] ←
-//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`airlight`] and [`spectral`]
-//! stand beside `sampling`; [`coefficients`] has the ways to state σ_t, which the C ABI offers.
+//! [`sampling`] ← [`ffi`] (the C ABI). The dependency runs one way. [`spectral`] and [`airlight`]
+//! stand beside `sampling`, the latter with equation numbers and symbols of its own paper;
+//! [`coefficients`] has the ways to state σ_t, which the C ABI offers.
 
 pub mod airlight;
 pub mod coefficients;

@@ -8,6 +8,7 @@ mod common;
 
 use analytic_media::airlight::closed_form::{self, Expansion};
 use analytic_media::airlight::quadrature;
+use analytic_media::real::lanes::{F64Lanes, Lanes};
 use common::host::Host;
 use common::lamps::scene;
 use common::paper::{Form, Paper};
@@ -221,7 +222,7 @@ fn table_of_costs() {
     ] {
         let row = find(regime);
         let (air, ray, t0, t1) = scene(row, |x| x);
-        for points in [8, 16, 24, 48] {
+        for points in [8, 16, 24, 32, 48] {
             let (all, exp) = operations(|host| {
                 let (air, ray, t0, t1) = scene(row, |x| host.input(x));
                 quadrature::radiance_by(&air, &air.phase, &ray, t0, t1, points);
@@ -270,7 +271,90 @@ fn table_of_costs() {
             terms!(12);
         }
     }
-    assert_eq!(methods, 3 * 4 + 1 + 3 + 3);
+    // Lanes whose rays differ, so that they need several regimes of Ei.
+    let row = find("mid_both_inf_isotropic_isotropic");
+    let spread = |x: f64| F64Lanes::gather(|lane| x * (1.0 + 0.4 * lane as f64));
+    let (air, ray, t0, t1) = scene(row, |x| {
+        if x == 1.0 {
+            F64Lanes::splat(x)
+        } else {
+            spread(x)
+        }
+    });
+    let per_ray = |call: &mut dyn FnMut()| nanoseconds(call) / F64Lanes::COUNT as f64;
+    let rule = per_ray(&mut || {
+        black_box(quadrature::radiance(
+            black_box(&air),
+            &air.phase,
+            &ray,
+            t0,
+            t1,
+        ));
+    });
+    let closed = per_ray(&mut || {
+        let air = black_box(&air);
+        black_box(closed_form::radiance::<_, 1>(
+            air,
+            Expansion::Midpoint,
+            &ray,
+            t0,
+            t1,
+        ));
+    });
+    println!(
+        "| isotropic, f64 lanes, per ray | 48 points {rule:.0} ns | closed form {closed:.0} ns |"
+    );
+    assert_eq!(methods, 3 * 5 + 1 + 3 + 3);
+}
+
+/// Prints the error against the cost: all rows but spots.
+#[test]
+fn table_of_error_against_cost() {
+    let print = |name: &str, groups: BTreeMap<String, Group>| {
+        let Group(all) = &groups["all"];
+        let at = |share: f64| all[((all.len() - 1) as f64 * share) as usize];
+        let (half, most, worst) = (at(0.5), at(0.9), at(1.0));
+        println!("| {name} | {half:.0e} | {most:.0e} | {worst:.0e} |");
+        all.len()
+    };
+    println!("\n| method | half of the rows | nine in ten | all |");
+    let one = |_: &Value| "all".to_string();
+    let all = |_: &Value| true;
+    let mut rows = 0;
+    for points in [8, 16, 24, 32, 48] {
+        let name = format!("quadrature, {points} points");
+        rows = print(&name, errors(one, all, |r| by_points(r, points)));
+    }
+    let ours = [
+        (
+            "closed form, 4 terms",
+            errors(one, all, |r| ours::<4>(r, Expansion::Midpoint)),
+        ),
+        (
+            "closed form, 6 terms",
+            errors(one, all, |r| ours::<6>(r, Expansion::Midpoint)),
+        ),
+        (
+            "closed form, 12 terms",
+            errors(one, all, |r| ours::<12>(r, Expansion::Midpoint)),
+        ),
+        (
+            "as printed, 4 terms",
+            errors(one, all, |r| {
+                paper::<4>(r, Form::Combined, Expansion::Midpoint)
+            }),
+        ),
+        (
+            "as printed, 6 terms",
+            errors(one, all, |r| {
+                paper::<6>(r, Form::Combined, Expansion::Midpoint)
+            }),
+        ),
+    ];
+    for (name, groups) in ours {
+        assert_eq!(print(name, groups), rows);
+    }
+    assert_eq!(rows, 298);
 }
 
 /// What the error estimate of `radiance_within` is worth, and how many points it takes.

@@ -245,9 +245,9 @@ def sunlit_fog(
 class AirLight:
     """A point light in a uniform medium, as `analytic_media.AirLight`, answered by a host.
 
-    The position of the light, coefficients, and the numbers of `phase` and `intensity` may be arrays
-    of the host (axes: three of them); they are not checked. Exponents are numbers. With channels,
-    radiance is a list, one array per channel.
+    The position of the light, coefficients, and the numbers of `phase` and `intensity` may be
+    arrays of the host (axes: three of them); they are not checked. Exponents are numbers. With
+    channels, radiance is a list, one array per channel.
     """
 
     def __init__(
@@ -255,8 +255,8 @@ class AirLight:
         light: Point,
         sigma_s: Array | Sequence[Array],
         sigma_t: Array | Sequence[Array],
-        phase: scattering.Phase = scattering.Isotropic(),
-        intensity: scattering.Intensity = scattering.Isotropic(),
+        phase: scattering.Phase = scattering.ISOTROPIC,
+        intensity: scattering.Intensity = scattering.ISOTROPIC,
         *,
         host: Host | None = None,
     ):
@@ -297,7 +297,8 @@ def special(function: str, *arguments: Array, host: Host | None = None) -> Array
     `special("chapman", z, mu)`.
 
     A complex one, "expint_ei" or "expint_ei_scaled", has the real and the imaginary part as
-    arguments, and as a list of results. Arguments are not checked. Raises AttributeError for a function that does not exist.
+    arguments, and as a list of results. Arguments are not checked. Raises AttributeError for a
+    function that does not exist.
     """
     inputs = [_number(f"argument {i}", value) for i, value in enumerate(arguments)]
     host = host or _drjit_host(chain(*inputs))

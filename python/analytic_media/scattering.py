@@ -31,6 +31,9 @@ class Isotropic:
     """The same in all directions: the phase function 1/(4 pi), or a light of intensity 1."""
 
 
+ISOTROPIC = Isotropic()
+
+
 @dataclass(frozen=True)
 class Rayleigh:
     """Phase function of particles that are small against the wavelength."""
@@ -97,8 +100,8 @@ class AirLight:
         light: Vector,
         sigma_s: float | Sequence[float],
         sigma_t: float | Sequence[float],
-        phase: Phase | Callable[[float], float] = Isotropic(),
-        intensity: Intensity = Isotropic(),
+        phase: Phase | Callable[[float], float] = ISOTROPIC,
+        intensity: Intensity = ISOTROPIC,
     ):
         try:
             pairs = np.broadcast_arrays(*(_coefficient(s) for s in (sigma_s, sigma_t)))
@@ -109,7 +112,7 @@ class AirLight:
             ) from None
         self._width = pairs[0].shape
         self._own = phase if callable(phase) else None
-        known = Isotropic() if self._own else phase
+        known = ISOTROPIC if self._own else phase
         self._model = _native.airlight(
             describe_light(light, intensity), describe_phase(known), *(p.reshape(-1) for p in pairs)
         )
@@ -180,8 +183,8 @@ def airlight(
     t0: ArrayLike,
     t1: ArrayLike,
     light: ArrayLike,
-    phase: Phase | Callable[[float], float] = Isotropic(),
-    intensity: Intensity = Isotropic(),
+    phase: Phase | Callable[[float], float] = ISOTROPIC,
+    intensity: Intensity = ISOTROPIC,
 ) -> Result:
     """Radiance of a point light that a uniform medium scatters once (Eq. 4), for many of each.
 

@@ -84,12 +84,11 @@ impl<R: Real> Frame<R> {
         s.mul_add(s, self.height * self.height).sqrt()
     }
 
-    /// The angle at the light: a point beyond the foot (`sign` 1) or before it (−1), whose distance
-    /// from the light is D and s = ±`1 − w²` h/(2w), where w = h q = h/(D + |s|).
-    pub fn toward(&self, sign: R, q: R, w_square: R) -> Toward<R> {
-        let one = q.lit(1.0);
-        let norm = one / (one + w_square);
-        let (along, across) = (sign * (one - w_square) * norm, (q + q) * norm);
+    /// The angle at the light of the point `point`.
+    pub fn toward(&self, point: &Point<R>) -> Toward<R> {
+        let Point { sign, norm, .. } = *point;
+        let along = sign * (norm.lit(1.0) - point.w_square) * norm;
+        let across = (point.q + point.q) * norm;
         Toward {
             cos: along.mul_add(self.axial, across * self.lateral),
             across: std::array::from_fn(|i| {
@@ -97,15 +96,39 @@ impl<R: Real> Frame<R> {
             }),
         }
     }
+}
 
-    /// The angle of scattering there: light that arrives before the foot goes on forward.
-    pub fn deflection(&self, sign: R, w_square: R) -> Deflection<R> {
-        let (zero, one) = (sign.lit(0.0), sign.lit(1.0));
-        let norm = one / (one + w_square);
-        let (near, far) = ((w_square + w_square) * norm, norm + norm);
-        let before = sign.lt(zero);
+/// A point of the ray by w = hq = h/(D + |s|), D its distance from the light: |s|/D = (1 − w²)/(1 + w²).
+#[derive(Clone, Copy, Debug)]
+pub struct Point<R> {
+    /// −1 before the foot, 1 beyond it.
+    sign: R,
+    q: R,
+    w_square: R,
+    /// 1/(1 + w²)
+    pub(crate) norm: R,
+}
+
+impl<R: Real> Point<R> {
+    /// The point at `q` = w/`height` on the side `sign`.
+    pub fn new(sign: R, q: R, height: R) -> Self {
+        let (one, w) = (q.lit(1.0), height * q);
+        let w_square = w * w;
+        Self {
+            sign,
+            q,
+            w_square,
+            norm: one / (one + w_square),
+        }
+    }
+
+    /// The angle of scattering: light that arrives before the foot goes on forward.
+    pub fn deflection(&self) -> Deflection<R> {
+        let Self { sign, norm, .. } = *self;
+        let (near, far) = ((self.w_square + self.w_square) * norm, norm + norm);
+        let before = sign.lt(sign.lit(0.0));
         Deflection {
-            cos: -sign * (one - w_square) * norm,
+            cos: sign * (near - sign.lit(1.0)),
             from_forward: R::select(before, near, far),
             from_backward: R::select(before, far, near),
         }

@@ -54,8 +54,12 @@ impl<R: Real> AirLight<R> {
     /// unit intensity on the axis of the light, in every channel; 1/length² per steradian.
     ///
     /// Between the light and the ray the medium is everywhere. What lies in front of `t0` does not
-    /// count: multiply by its transmittance.
+    /// count: multiply by its transmittance. 0 where `t1` ≤ `t0`.
+    ///
+    /// By quadrature, or where that costs less in closed form: isotropic lights and media in double
+    /// precision. Relative error 1e-9 in `f64`, 1e-4 in `f32`.
     pub fn radiance(&self, ray: &Ray<R>, t0: R, t1: R) -> Vec<R> {
-        quadrature::radiance(self, &self.phase, ray, t0, t1)
+        closed_form::isotropic(self, ray, t0, t1)
+            .unwrap_or_else(|| quadrature::radiance(self, &self.phase, ray, t0, t1))
     }
 }

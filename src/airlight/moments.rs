@@ -15,7 +15,7 @@
 //! where (13) and (19) have sums of powers of 1/H that cancel. p_n is a recurrence, taken in the
 //! direction in which it is stable.
 
-use crate::real::{Real, either};
+use crate::real::Real;
 use crate::special::expint::{e1_scaled, ei_scaled};
 
 /// Steps of the recurrence of p_n before the foot that begin at nothing.
@@ -108,20 +108,33 @@ fn plain_beyond<R: Real, const N: usize>(
 ) -> [R; N] {
     let zero = a.lit(0.0);
     let ends = |n: u32| super::light::power(b, n) - super::light::power(a, n) * decay;
-    let thick = zero.lit(18.0).lt(optical);
+    let thick = zero.lit(8.0).lt(optical);
     let mut up = integral;
     let mut p = [zero; N];
     for (n, p) in p.iter_mut().enumerate() {
         up = (ends(n as u32 + 1) - optical * up) * zero.lit(1.0 / (n as f64 + 1.0));
         *p = up;
     }
-    let inverse = zero.lit(1.0) / R::select(thick, optical, zero.lit(18.0));
-    let mut down = zero;
-    for n in (0..N.max(18)).rev() {
-        down = (ends(n as u32 + 2) - zero.lit(n as f64 + 2.0) * down) * inverse;
-        if n < N {
-            p[n] = either(thick, || down, || p[n]);
-        }
+    let optical = R::select(thick, optical, zero.lit(8.0));
+    let inverse = zero.lit(1.0) / optical;
+    let last = |w: R| {
+        let order = N as u32 + 1;
+        super::light::power(w, order) / w * expint_scaled(order, optical / w)
+    };
+    let mut down = last(b) - decay * last(a.max(zero.lit(1e-31)));
+    for n in (0..N).rev() {
+        p[n] = R::select(thick, down, p[n]);
+        down = (ends(n as u32 + 1) - zero.lit(n as f64 + 1.0) * down) * inverse;
     }
     p
+}
+
+/// e^x E_m(x) = 1/(x + m − m/(x + m + 2 − 2(m + 1)/(x + m + 4 − …))), x ≥ 8: the generalised
+/// exponential integral, to 1e-15.
+fn expint_scaled<R: Real>(m: u32, x: R) -> R {
+    let term = |k: u32| x + x.lit(f64::from(m + 2 * k));
+    let inner = (1..=30u32).rev().fold(term(30), |inner, k| {
+        term(k - 1) - x.lit(f64::from(k * (m + k - 1))) / inner
+    });
+    x.lit(1.0) / inner
 }

@@ -9,7 +9,7 @@
 //! but the exponential.
 
 use super::AirLight;
-use super::frame::Frame;
+use super::frame::{Frame, Point};
 use super::phase::PhaseFunction;
 use super::piece::Piece;
 use super::segment::pieces;
@@ -114,16 +114,14 @@ impl<R: Real, P: PhaseFunction<R>> Integral<'_, R, P> {
     ) {
         let frame = &self.frame;
         let height = frame.height;
-        let (zero, one) = (height.lit(0.0), height.lit(1.0));
+        let zero = height.lit(0.0);
         let exp = R::exp_each(rule.map(|(x, _)| stretch.length * zero.lit(x)));
         let nodes: [(R, R); CHUNK] = std::array::from_fn(|k| {
             let (step, q, slope) = stretch.at(exp[k]);
-            let w = height * q;
-            let square = w * w;
-            let toward = frame.toward(piece.sign, q, square);
-            let value = self.air.light.intensity.value(&toward)
-                * self.phase.value(frame.deflection(piece.sign, square));
-            let weight = zero.lit(2.0 * rule[k].1) * slope / (one + square);
+            let point = Point::new(piece.sign, q, height);
+            let value = self.air.light.intensity.value(&frame.toward(&point))
+                * self.phase.value(point.deflection());
+            let weight = zero.lit(2.0 * rule[k].1) * slope * point.norm;
             (weight * value, piece.path + piece.growth(frame, step, q))
         });
         for (sum, sigma) in sums.iter_mut().zip(&self.air.sigma_t) {

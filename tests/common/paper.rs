@@ -8,7 +8,7 @@
 
 use analytic_media::airlight::AirLight;
 use analytic_media::airlight::closed_form::Expansion;
-use analytic_media::airlight::frame::Frame;
+use analytic_media::airlight::frame::{Frame, Point};
 use analytic_media::airlight::jet::Jet;
 use analytic_media::airlight::phase::PhaseFunction;
 use analytic_media::geometry::Ray;
@@ -189,13 +189,9 @@ impl Paper {
         let lift = Jet::<f64, N>::constant;
         let (w, sign) = (Jet::variable(point), lift(sign));
         let frame = frame.map(lift);
-        let toward = frame.toward(sign, w / frame.height, w * w);
-        let value = self.air.light.intensity.map(lift).value(&toward)
-            * self
-                .air
-                .phase
-                .map(lift)
-                .value(frame.deflection(sign, w * w));
+        let at = Point::new(sign, w / frame.height, frame.height);
+        let value = self.air.light.intensity.map(lift).value(&frame.toward(&at))
+            * self.air.phase.map(lift).value(at.deflection());
         value.about_zero(point)
     }
 }

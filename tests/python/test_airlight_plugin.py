@@ -112,7 +112,8 @@ class TestAgainstMonteCarlo:
     def test_no_noise_but_that_of_edges(self, variant):
         scene = room(FOG | BOX)
         ours, theirs = (render(scene, i, spp=4, passes=8).var(0) for i in (AIRLIGHT, ONCE))
-        assert np.median(ours) < 1e-3 * np.median(theirs)
+        # Pixels have gradients: what is left is where in a pixel a sample lies.
+        assert np.median(ours) < 1e-2 * np.median(theirs)
 
 
 @pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
@@ -241,7 +242,7 @@ class TestRefusals:
 
     def test_max_depth(self, variant):
         mi.load_dict(AIRLIGHT | {"max_depth": 2})
-        with pytest.raises(RuntimeError, match="max_depth must be 2.* got 3"):
+        with pytest.raises(RuntimeError, match=r"max_depth must be 2.* got 3"):
             mi.load_dict(AIRLIGHT | {"max_depth": 3})
 
     def test_to_string(self, variant):
