@@ -182,14 +182,14 @@ fn channels_may_differ_tenfold() {
         air.sigma_t = vec![sigma, 3.0 * sigma, 10.0 * sigma];
         air.sigma_s = vec![1.0; 3];
         let together = air.radiance(&RAY, 0.0, f64::INFINITY);
-        for channel in 0..3 {
+        for (channel, got) in together.into_iter().enumerate() {
             let alone = AirLight {
                 sigma_s: vec![1.0],
                 sigma_t: vec![air.sigma_t[channel]],
                 ..air.clone()
             };
             let alone = alone.radiance(&RAY, 0.0, f64::INFINITY)[0];
-            let error = (together[channel] - alone).abs();
+            let error = (got - alone).abs();
             assert!(
                 error <= 1e-8 * alone + 1e-290,
                 "{channel}: {error:e} {alone:e} {numbers:?}"

@@ -6,7 +6,7 @@
 //!     cone         1 up to the beam width, then linear in θ down to 0 at the cutoff angle,
 //!                  as Mitsuba's `spot` emitter
 //!
-//! [`Light::lit`] is the part of a ray where the intensity is not 0, and what lies between its
+//! `Intensity::lit` is the part of a ray where the intensity is not 0, and what lies between its
 //! kinks: nothing is integrated, and no series is summed, across them.
 
 use super::frame::Frame;
