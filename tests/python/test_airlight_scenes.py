@@ -45,10 +45,11 @@ def test_what_is_left_of_sunken_objects_throws_no_shadow(variant, rng, name):
 
 
 @pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"], indirect=True)
+@pytest.mark.parametrize("integrator", ["analyticvolpath", "airlight"])
 @each_scene
-def test_scenes_render(variant, name):
+def test_scenes_render(variant, integrator, name):
     """Nearly every pixel has light in it; on the stage those in the cones of light have."""
-    image = np.array(mi.render(load(name), seed=1))[..., :3]
+    image = np.array(mi.render(load(name, integrator=integrator), seed=1))[..., :3]
     assert np.isfinite(image).all() and image.min() >= 0
     assert 0.02 < image.mean() < 0.5
     lit = (image.max(axis=-1) > 0).mean()

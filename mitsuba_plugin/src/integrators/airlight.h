@@ -162,6 +162,8 @@ private:
     /// Light that a surface reflects towards the camera, as seen from nearby (Eq. 7).
     Spectrum lit(const Scene *scene, const SingleScattering &scattering, const LightSource &light,
                  const Ray3f &ray, const SurfaceInteraction3f &si, Mask active) const {
+        if (dr::none_or<false>(active)) // then there is no BSDF to ask
+            return 0.f;
         auto [ds, arriving] = light.emitter->sample_direction(si, Point2f(0.f), active);
         const BSDFPtr bsdf = si.bsdf();
         active &= ds.pdf > 0.f && has_flag(bsdf->flags(), BSDFFlags::Smooth);
