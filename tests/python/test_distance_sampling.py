@@ -219,9 +219,10 @@ def test_strategies_agree_beside_stock_media(variant, reference, strategy):
 @pytest.mark.parametrize("max_depth", [2, 3])
 def test_max_depth_means_the_same(variant, strategy, max_depth):
     made = lantern(fog(variant, chromatic=False), space=True)
+    # Free flights are skewed near a light: few samples of them have a mean that is too low.
     sides = [
-        passes(made, ours(which), side, max_depth=max_depth)
-        for side, which in enumerate(("free_flight", strategy))
+        passes(made, ours(which), side, spp=spp, max_depth=max_depth)
+        for side, (which, spp) in enumerate({"free_flight": 32, strategy: 8}.items())
     ]
     assert_agree(*sides, pixels=3500)
 
