@@ -242,6 +242,28 @@ def test_without_lights_at_a_point_nothing_changes(variant, strategy):
 
 
 @scalar_and_llvm
+@pytest.mark.parametrize("kind", ["envmap", "sunsky", "directionalarea", "projector"])
+def test_other_kinds_of_lights_do_no_harm(variant, kind):
+    """JIT variants record calls of all lights of a scene, wherever they go."""
+    bitmap = mi.Bitmap(np.full((4, 8, 3), 0.5, dtype=np.float32))
+    texture = {"type": "bitmap", "bitmap": bitmap, "raw": True}
+    made = lantern(fog(variant), size=16)
+    del made["sky"], made["glow"]
+    made["other"] = {
+        "envmap": {"type": "envmap", "bitmap": bitmap},
+        "sunsky": {"type": "sunsky"},
+        "directionalarea": {
+            "type": "rectangle",
+            "emitter": {"type": "directionalarea", "radiance": {"type": "uniform", "value": 1.0}},
+        },
+        "projector": {"type": "projector", "irradiance": texture, "fov": 60},
+    }[kind]
+    image = np.array(mi.render(mi.load_dict(made | {"integrator": ours("mis")}), spp=16))
+    assert np.isfinite(image).all()
+    assert (image.mean((0, 1)) > 0).all()
+
+
+@scalar_and_llvm
 @strategies
 def test_media_that_do_not_sample_emitters_stay_dark(variant, strategy):
     """Light at a point meets them by light samples only."""

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <type_traits>
+
 #include <mitsuba/core/properties.h>
 #include <mitsuba/core/ray.h>
 #include <mitsuba/render/bsdf.h>
@@ -133,7 +136,8 @@ public:
                                      const RayDifferential3f &ray, const Medium *medium,
                                      Float * /* aovs */, Mask active) const override {
         MI_MASKED_FUNCTION(ProfilerPhase::SamplingIntegratorSample, active);
-        const Survey found = scene == m_surveyed ? m_survey : look_at(scene, medium);
+        Survey own;
+        const Survey &found = scene == m_surveyed ? m_survey : (own = look_at(scene, medium));
 
         Path path;
         path.active = active && m_max_depth > 0;
@@ -149,7 +153,8 @@ public:
 
         dr::tie(path) = dr::while_loop(
             dr::make_tuple(path), [](const Path &p) { return p.active; },
-            [this, scene, found](Path &p) { extend(scene, found, p); }, "analyticvolpath");
+            [this, scene, kept = KeptSurvey(found)](Path &p) { extend(scene, kept, p); },
+            "analyticvolpath");
         return { path.result, path.valid };
     }
 
@@ -179,6 +184,10 @@ private:
     static constexpr ScalarFloat MaxForwardness = 100.f;
     /// Colours or wavelengths of a path.
     static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
+
+    /// What the body of a loop knows of the scene: JIT variants may come back to it later.
+    using KeptSurvey =
+        std::conditional_t<dr::is_jit_v<Float>, Survey, std::reference_wrapper<const Survey>>;
 
     /// State of a path between two vertices.
     struct Path {
@@ -272,7 +281,7 @@ private:
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = false;
+        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit.active = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -344,20 +353,14 @@ private:
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
 
-        place(v.mi, path, t, collided);
+        dr::masked(v.mi.t, collided) = t;
+        dr::masked(v.mi.p, collided) = path.ray(t);
+        dr::masked(v.mi.wi, collided) = -path.ray.d;
+        dr::masked(v.mi.sh_frame, collided) = Frame3f(v.mi.wi);
+        dr::masked(v.mi.time, collided) = path.ray.time;
+        dr::masked(v.mi.wavelengths, collided) = path.ray.wavelengths;
+        dr::masked(v.mi.medium, collided) = path.medium;
         return v;
-    }
-
-    /// A place in the medium of a path, at the distance `t` on its ray.
-    static void place(MediumInteraction3f &mi, const Path &path, const Float &t,
-                      const Mask &active) {
-        dr::masked(mi.t, active) = t;
-        dr::masked(mi.p, active) = path.ray(t);
-        dr::masked(mi.wi, active) = -path.ray.d;
-        dr::masked(mi.sh_frame, active) = Frame3f(mi.wi);
-        dr::masked(mi.time, active) = path.ray.time;
-        dr::masked(mi.wavelengths, active) = path.ray.wavelengths;
-        dr::masked(mi.medium, active) = path.medium;
     }
 
     /// Weighs flights that have been drawn for longer, and end at `end` without a collision.
@@ -441,7 +444,9 @@ private:
 
         dr::tie(shadow) = dr::while_loop(
             dr::make_tuple(shadow), [](const Shadow &s) { return s.active; },
-            [this, scene, found, beyond](Shadow &s) { pass(scene, found, beyond, s); },
+            [this, scene, kept = KeptSurvey(found), beyond](Shadow &s) {
+                pass(scene, kept, beyond, s);
+            },
             "analyticvolpath shadow");
         return shadow.result;
     }
@@ -512,9 +517,9 @@ private:
      * \param t, boost  of the flight's collision: its distance, and how much more probable it is
      *    than in nature
      */
-    void light_medium(const Scene *scene, const Survey &found, Path &path, Vertex &v,
-                      const AnalyticPtr &analytic, const Float &end, const Float &t,
-                      const Float &boost, const Mask &in_ours) const {
+    DRJIT_NOINLINE void light_medium(const Scene *scene, const Survey &found, Path &path, Vertex &v,
+                                     AnalyticPtr analytic, Float end, Float t, Float boost,
+                                     Mask in_ours) const {
         const Ray3f &ray = path.ray;
         const auto [hit, near, far] = path.medium->intersect_aabb(ray);
         LitSegment<Float, Spectrum> &lit = v.lit;
@@ -529,9 +534,9 @@ private:
         const bool mis = m_distances == DistanceSampling::Mis;
         if (mis) {
             const Mask collides = lit.active && dr::isfinite(t) && t <= lit.far;
-            const Float place = dr::select(collides, t, 0.f);
+            const Float at = dr::select(collides, t, 0.f);
             lit.flight_pdf =
-                boost * analytic->scattering_at(m_rules, ray, place, throughput, collides).second;
+                boost * analytic->scattering_at(m_rules, ray, at, throughput, collides).second;
         }
 
         lit.forwardness = forwardness(path, lit);
@@ -540,9 +545,8 @@ private:
                                  : lit.choose_only(scene, found, ray);
         const EmitterPtr emitter = lit.emitter(scene, index);
         const Point3f light = lit.position(emitter, ray);
-        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
         const Float u = path.sampler->next_1d(lit.active);
-        place(mi, path, lit.near + lit.seen_from(ray, light).sample(u), lit.active);
+        const MediumInteraction3f mi = place(path, lit.near + lit.seen_from(ray, light).sample(u));
 
         const auto [scattered, natural] =
             analytic->scattering_at(m_rules, ray, mi.t, throughput, lit.active);
@@ -563,11 +567,30 @@ private:
                                       path.medium, false, arrives);
     }
 
+    /// Weight, by MIS, of light of a source at a point where a flight has collided.
+    DRJIT_NOINLINE Float weight_of_flight(const Survey &found, const Path &path, const Vertex &v,
+                                          const DirectionSample3f &ds) const {
+        return mis_weight(v.lit.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
+                          v.lit.pdf(path.ray, ds.p, v.mi.p));
+    }
+
+    /// A place in the medium of a path, at the distance `t` on its ray.
+    static MediumInteraction3f place(const Path &path, const Float &t) {
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        mi.t = t;
+        mi.p = path.ray(t);
+        mi.wi = -path.ray.d;
+        mi.sh_frame = Frame3f(mi.wi);
+        mi.time = path.ray.time;
+        mi.wavelengths = path.ray.wavelengths;
+        mi.medium = path.medium;
+        return mi;
+    }
+
     /// The asymmetry of the phase function, (1 + g)/(1 - g) of that of Henyey and Greenstein, where
     /// the ray enters the medium.
     static Float forwardness(const Path &path, const LitSegment<Float, Spectrum> &lit) {
-        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
-        place(mi, path, lit.near, lit.active);
+        const MediumInteraction3f mi = place(path, lit.near);
         const PhaseFunctionContext context(path.sampler);
         const PhaseFunctionPtr phase = path.medium->phase_function();
         const Float forwards = phase->eval_pdf(context, mi, path.ray.d, lit.active).second,
@@ -765,10 +788,8 @@ private:
         Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
         Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
                                dr::select(ds.delta, 0.f, value_pdf));
-        if (m_distances == DistanceSampling::Mis && dr::any_or<true>(twice))
-            dr::masked(mis, twice) *=
-                mis_weight(v.lit.flight_pdf * ds.pdf * (ScalarFloat) found.emitter_samples,
-                           v.lit.pdf(path.ray, ds.p, v.mi.p));
+        if (found.lit() && m_distances == DistanceSampling::Mis && dr::any_or<true>(twice))
+            dr::masked(mis, twice) *= weight_of_flight(found, path, v, ds);
         return dr::select(active, value * through * light * mis, 0.f);
     }
 

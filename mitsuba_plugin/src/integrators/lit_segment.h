@@ -2,6 +2,9 @@
 
 #pragma once
 
+#include <type_traits>
+#include <vector>
+
 #include <mitsuba/core/ray.h>
 #include <mitsuba/render/emitter.h>
 #include <mitsuba/render/scene.h>
@@ -16,15 +19,15 @@ template <typename Float, typename Spectrum> struct LitSegment {
     using View = Equiangular<Vector3f>;
 
     /// There is one: what is said of others has no meaning.
-    Mask active = false;
+    Mask active;
     /// From where to where, as distances on the ray.
-    Float near = 0.f, far = 0.f;
+    Float near, far;
     /// How much more the medium scatters forwards than backwards: k of Equiangular.
-    Float forwardness = 1.f;
+    Float forwardness;
     /// Sum of what the light sources shed on it, 1/length, if they were alike.
-    Float exposures = 0.f;
+    Float exposures;
     /// Density at which the flight along the ray has collided where it has, 1/length.
-    Float flight_pdf = 0.f;
+    Float flight_pdf;
 
     /// What is seen of it from a light source.
     View seen_from(const Ray3f &ray, const Point3f &light) const {
@@ -45,10 +48,11 @@ template <typename Float, typename Spectrum> struct LitSegment {
             DRJIT_STRUCT(Choice, next, chosen, sum, u)
         } choice{ 0, 0, 0.f, u };
         const uint32_t size = (uint32_t) found.points.size();
+        const Numbers numbers = load(found.points);
         dr::tie(choice) = dr::while_loop(
             dr::make_tuple(choice), [size](const Choice &c) { return c.next < size; },
-            [scene, found, ray, segment = *this](Choice &c) {
-                const UInt32 index = segment.point(found, c.next);
+            [scene, numbers, ray, segment = *this](Choice &c) {
+                const UInt32 index = dr::gather<UInt32>(numbers, c.next, segment.active);
                 const Float exposure = segment.exposure(scene, index, ray);
                 c.sum += exposure;
                 // What is left of the variate is as uniform.
@@ -85,13 +89,14 @@ private:
         return seen_from(ray, position(emitter(scene, index), ray)).exposure();
     }
 
-    /// The number among all emitters of the light source number `i` at a point.
-    UInt32 point(const Survey &found, const UInt32 &i) const {
-        const uint32_t *points = found.points.data();
+    /// Numbers of emitters, as loops can read them.
+    using Numbers = std::conditional_t<dr::is_jit_v<Float>, UInt32, const uint32_t *>;
+
+    static Numbers load(const std::vector<uint32_t> &numbers) {
         if constexpr (dr::is_jit_v<Float>)
-            return dr::gather<UInt32>(dr::load<UInt32>(points, found.points.size()), i, active);
+            return dr::load<UInt32>(numbers.data(), numbers.size());
         else
-            return points[i];
+            return numbers.data();
     }
 };
 
