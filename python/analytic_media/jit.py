@@ -78,13 +78,21 @@ class Profile:
     """A profile with the questions of `analytic_media.Profile`, answered by a host.
 
     `values` replace parameters of `profile` by arrays of the host; they are not checked.
+    `profile` may be a class, such as `am.Exponential`, if `values` are all that it needs.
     `host` is Dr.Jit, in the float type of the arguments, unless another one is given.
     Raises TypeError for a parameter that the profile does not have.
     """
 
-    def __init__(self, profile: profiles.Profile, *, host: Host | None = None, **values: Array):
+    def __init__(
+        self,
+        profile: profiles.Profile | type[profiles.Profile],
+        *,
+        host: Host | None = None,
+        **values: Array,
+    ):
+        given = {} if isinstance(profile, type) else profile.parameters
         self._kind = profile._kind
-        self._values = profile._bind({**profile.parameters, **values})
+        self._values = profile._bind({**given, **values})
         self._host = host
 
     def density(self, x: Point) -> Array:

@@ -39,7 +39,7 @@ pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
     let begin = R::select(cuts, core, start);
     let skipped = (begin - start).min(range);
     let (half, quarter) = (perigee * perigee.lit(0.5), perigee.lit(0.25));
-    let outside = decay(begin.sqrt(), range - skipped, |w| {
+    let outside = decay(root(begin), range - skipped, |w| {
         (w + perigee) / w.mul_add(quarter, half).sqrt()
     });
     let inside = |perigee: R| {
@@ -55,12 +55,21 @@ pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
     )
 }
 
+/// √x for x ≥ 0, whose derivative at 0, where that of √x is infinite, is 0: pieces that begin at
+/// the perigee do so whatever the parameters are. (A ray whose origin happens to be its perigee
+/// loses the derivative of that piece by the origin.)
+fn root<R: Real>(x: R) -> R {
+    let zero = x.lit(0.0);
+    let some = zero.lt(x);
+    R::select(some, R::select(some, x, x.lit(1.0)).sqrt(), zero)
+}
+
 /// (2) from the perigee p < 1 to the height `height` above it, p + height ≤ 1.
 fn series<R: Real>(perigee: R, height: R) -> R {
     let one = perigee.lit(1.0);
     let square = perigee * perigee;
     let radius = perigee + height;
-    let distance = (height * (radius + perigee)).sqrt();
+    let distance = root(height * (radius + perigee));
 
     // p² artanh(s/r) = p² ln((r + s)/p); nothing through the centre.
     let some = perigee.lit(0.0).lt(square);

@@ -248,6 +248,26 @@ def test_derivatives_of_the_exponential_in_closed_form(llvm):
         assert got["o", i] == pytest.approx(-TILTED[i] * rate, rel=1e-13, abs=1e-15)
 
 
+@pytest.mark.parametrize("d", [(0.6, 0.0, -0.8), (0.96, 0.0, -0.28)])
+def test_derivatives_of_columns_past_a_perigee(llvm, d):
+    """Where a piece of a column begins at the perigee, whatever the parameters are."""
+    planet = {"center": (0.0, 0.0, -50.0), "radius": 50.0, "scale_height": 8.0}
+    values = {"o": (0.0, 1.0, 3.0), "d": d, "t": 90.0, **planet}
+
+    def plain(v):
+        return QUESTIONS["column"](am.Spherical(**{name: v[name] for name in planet}), v)
+
+    def recorded(v):
+        profile = am.jit.Profile(am.Spherical, **{name: v[name] for name in planet})
+        return QUESTIONS["column"](profile, v)
+
+    got = gradients(llvm, values, recorded)
+    for (name, i), gradient in got.items():
+        if name != "d":  # of unit length, for a planet
+            expected = finite_difference(plain, values, name, i)
+            assert gradient == pytest.approx(expected, rel=1e-6, abs=1e-7), (name, i)
+
+
 @each_profile
 @pytest.mark.parametrize("question", ["column", "inv_column"])
 @pytest.mark.parametrize("d", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)])
