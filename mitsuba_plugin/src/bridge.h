@@ -7,6 +7,7 @@
 
 #pragma once
 
+#include <array>
 #include <exception>
 #include <vector>
 
@@ -33,6 +34,14 @@ public:
     /// A new slot that holds `value`.
     am_node input(const Float &value) {
         return keep(m_numbers, [&] { return value; });
+    }
+
+    /// New slots that hold the components of a vector, or channels.
+    template <typename Array> auto inputs(const Array &values) {
+        std::array<am_node, dr::size_v<Array>> slots;
+        for (size_t i = 0; i < slots.size(); ++i)
+            slots[i] = input(values[i]);
+        return slots;
     }
 
     /// The number in a slot.

@@ -125,11 +125,11 @@ public:
                 coefficients.push_back(tape.input(sigma_t[i]));
             }
             const am_medium_nodes sum{ parts.data(), coefficients.data(), parts.size(), 1 };
-            am_node origin[3], direction[3], t = 0;
-            slots(tape, o, origin);
-            slots(tape, d, direction);
-            tape.finish(am_medium_free_flight_record(tape.table(), &sum, 0, origin, direction,
-                                                     tape.input(t_max), tape.input(tau), &t));
+            const auto origin = tape.inputs(o), direction = tape.inputs(d);
+            am_node t = 0;
+            tape.finish(am_medium_free_flight_record(tape.table(), &sum, 0, origin.data(),
+                                                     direction.data(), tape.input(t_max),
+                                                     tape.input(tau), &t));
             return tape[t];
         } else {
             std::vector<am_profile> parts;
@@ -148,10 +148,10 @@ public:
         if constexpr (dr::is_jit_v<Float>) {
             Tape<Float> tape;
             am_profile_nodes profile = record_parameters(tape);
-            am_node a[3], b[3], inf = 0, sup = 0;
-            slots(tape, lo, a);
-            slots(tape, hi, b);
-            tape.finish(am_profile_bounds_in_box_record(tape.table(), &profile, a, b, &inf, &sup));
+            const auto a = tape.inputs(lo), b = tape.inputs(hi);
+            am_node inf = 0, sup = 0;
+            tape.finish(am_profile_bounds_in_box_record(tape.table(), &profile, a.data(), b.data(),
+                                                        &inf, &sup));
             return tape[sup];
         } else {
             float inf = 0.f, sup = 0.f;
@@ -249,19 +249,12 @@ private:
         return profile;
     }
 
-    template <typename Vector>
-    static void slots(Tape<Float> &tape, const Vector &v, am_node (&out)[3]) {
-        for (size_t i = 0; i < 3; ++i)
-            out[i] = tape.input(v[i]);
-    }
-
     /// A question about a point.
     template <typename Question> Float record(Question question, const Point3f &p) const {
         Tape<Float> tape;
         am_profile_nodes profile = record_parameters(tape);
-        am_node point[3], out = 0;
-        slots(tape, p, point);
-        tape.finish(question(tape.table(), &profile, point, &out));
+        am_node out = 0;
+        tape.finish(question(tape.table(), &profile, tape.inputs(p).data(), &out));
         return tape[out];
     }
 
@@ -270,10 +263,10 @@ private:
     Float record(Question question, const Point3f &o, const Vector3f &d, const Float &x) const {
         Tape<Float> tape;
         am_profile_nodes profile = record_parameters(tape);
-        am_node origin[3], direction[3], out = 0;
-        slots(tape, o, origin);
-        slots(tape, d, direction);
-        tape.finish(question(tape.table(), &profile, origin, direction, tape.input(x), &out));
+        const auto origin = tape.inputs(o), direction = tape.inputs(d);
+        am_node out = 0;
+        tape.finish(
+            question(tape.table(), &profile, origin.data(), direction.data(), tape.input(x), &out));
         return tape[out];
     }
 

@@ -157,6 +157,14 @@ def real(value) -> np.ndarray | None:
     return array if array.dtype.kind in "fiub" else None
 
 
+def channels(name: str, value) -> np.ndarray:
+    """A coefficient as it is (), or one per channel (n,); double precision."""
+    array = real(value)
+    if array is None or array.ndim > 1 or array.size == 0:
+        raise ValueError(f"{name} must be a number or a sequence of numbers, got {value!r}")
+    return array.astype(np.float64)
+
+
 def _real(argument: Argument) -> np.ndarray:
     array = real(argument.value)
     if array is None:

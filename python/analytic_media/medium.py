@@ -148,7 +148,4 @@ def _component(component) -> tuple[Profile, np.ndarray]:
         raise ValueError(message) from None
     if not isinstance(profile, Profile):
         raise ValueError(f"components must begin with a profile, got {profile!r}")
-    array = _arrays.real(sigma_t)
-    if array is None or array.ndim > 1 or array.size == 0:
-        raise ValueError(f"sigma_t must be a number or a sequence of numbers, got {sigma_t!r}")
-    return profile, array.astype(np.float64)
+    return profile, _arrays.channels("sigma_t", sigma_t)

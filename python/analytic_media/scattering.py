@@ -103,8 +103,9 @@ class AirLight:
         phase: Phase | Callable[[float], float] = ISOTROPIC,
         intensity: Intensity = ISOTROPIC,
     ):
+        given = _arrays.channels("sigma_s", sigma_s), _arrays.channels("sigma_t", sigma_t)
         try:
-            pairs = np.broadcast_arrays(*(_coefficient(s) for s in (sigma_s, sigma_t)))
+            pairs = np.broadcast_arrays(*given)
         except ValueError:
             raise ValueError(
                 f"sigma_s and sigma_t must have the same number of channels, got {sigma_s!r} "
@@ -134,13 +135,6 @@ class AirLight:
             numbers = [array[item].astype(float) for array in arrays]
             result[item] = _native.radiance_with_phase(self._model, self._own, *numbers)
         return result.reshape(shape + self._width)[()]
-
-
-def _coefficient(value) -> np.ndarray:
-    array = _arrays.real(value)
-    if array is None or array.ndim > 1 or array.size == 0:
-        raise ValueError
-    return array.astype(np.float64)
 
 
 def describe_light(position, intensity: Intensity) -> dict:

@@ -44,7 +44,8 @@ def sunlit_fog(
     """
     if not isinstance(profile, Profile):
         raise ValueError(f"profile must be a profile, got {profile!r}")
-    scattering, attenuation = _channels("sigma_s", sigma_s), _channels("sigma_t", sigma_t)
+    scattering = _arrays.channels("sigma_s", sigma_s)
+    attenuation = _arrays.channels("sigma_t", sigma_t)
     if scattering.shape != attenuation.shape:
         raise ValueError(
             f"sigma_s and sigma_t must have the same shape, got {scattering.shape} and "
@@ -62,13 +63,6 @@ def sunlit_fog(
         _arrays.number("phase", value),
         width=attenuation.shape,
     )
-
-
-def _channels(name: str, value) -> np.ndarray:
-    array = _arrays.real(value)
-    if array is None or array.ndim > 1 or array.size == 0:
-        raise ValueError(f"{name} must be a number or a sequence of numbers, got {value!r}")
-    return array.astype(np.float64)
 
 
 def _cosine(a: ArrayLike, b: ArrayLike) -> np.ndarray:

@@ -93,10 +93,7 @@ def lantern(medium, space=False, lights=OUTSIDE, **film):
 
 
 def passes(scene, integrator, side, spp=4, max_depth=4):
-    gc.collect()  # a living medium would be part of every kernel
-    return render_passes(
-        scene | {"integrator": {"max_depth": max_depth} | integrator}, spp, first_seed=1000 * side
-    )
+    return render_passes(scene, {"max_depth": max_depth} | integrator, side, spp)
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ def test_white_furnace_with_light_samples(variant, profile, colour):
     sigma_t = 2.0 if colour == "grey" else {"type": "rgb", "value": [0.5, 2.0, 6.0]}
     medium = fog(profile, sigma_t=sigma_t, albedo=1.0, phase=scenes.PHASE)
     integrator = {"type": "analyticvolpath", "max_depth": -1}
-    passes = render_passes(furnace(medium, True) | {"integrator": integrator}, 64, 0)
+    passes = render_passes(furnace(medium, True), integrator, 0, spp=64)
     of_pass = passes.mean(1)
     error = of_pass.std(0, ddof=1) / np.sqrt(len(of_pass))
     print(f"\n    {of_pass.mean(0)} ± {error}", end="")

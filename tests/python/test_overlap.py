@@ -47,8 +47,7 @@ def overlap(**options):
 
 
 def render(scene, integrator, side, spp=SPP):
-    gc.collect()  # a living medium would be part of every kernel
-    return render_passes(scene | {"integrator": integrator | PATHS}, spp, first_seed=1000 * side)
+    return render_passes(scene, integrator | PATHS, side, spp)
 
 
 # ---- Renders

@@ -255,11 +255,8 @@ OURS = {"type": "analyticvolpath"}
 
 
 def passes(scene, integrator, side, spp=4, max_depth=5):
-    gc.collect()
     scene["sensor"]["film"] = scenes.film("rgb")
-    return render_passes(
-        scene | {"integrator": integrator | {"max_depth": max_depth}}, spp, first_seed=1000 * side
-    )
+    return render_passes(scene, integrator | {"max_depth": max_depth}, side, spp)
 
 
 def grey(value):

@@ -4,8 +4,6 @@ Each pair is the same physics twice, and neither side is a reference image: zsco
 agreement means. Spread and bias are printed: pytest -s.
 """
 
-import gc
-
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -35,9 +33,7 @@ SIDES = {
 
 def render(scene, integrator, side, max_depth=6, spp=SPP, **options):
     """Passes of a scene; `side` 0 and 1 have different seeds."""
-    gc.collect()  # a living medium would be part of every kernel
-    integrator = integrator | {"max_depth": max_depth} | options
-    return render_passes(scene | {"integrator": integrator}, spp, first_seed=1000 * side)
+    return render_passes(scene, integrator | {"max_depth": max_depth} | options, side, spp)
 
 
 @pytest.fixture(scope="module")

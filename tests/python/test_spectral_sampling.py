@@ -84,12 +84,9 @@ def scene(medium, space=False, **film):
 
 
 def passes(scene, integrator, side, spp=4, max_depth=4):
-    gc.collect()  # a living medium would be part of every kernel
     if integrator.get("spectral_sampling") == "single":
         spp *= 4  # so that as many paths are for each channel
-    return render_passes(
-        scene | {"integrator": {"max_depth": max_depth} | integrator}, spp, first_seed=1000 * side
-    )
+    return render_passes(scene, {"max_depth": max_depth} | integrator, side, spp)
 
 
 @pytest.fixture(scope="module")

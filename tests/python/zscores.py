@@ -10,6 +10,7 @@ first order -κ₃ / (2 n² s³) for the third cumulant κ₃ of the difference 
 standard error s (Johnson 1978). It is estimated, and taken off.
 """
 
+import gc
 from dataclasses import dataclass
 
 import mitsuba as mi
@@ -18,14 +19,15 @@ import numpy as np
 PASSES = 32
 
 
-def render_passes(scene, spp, first_seed, passes=PASSES):
-    """Images of a scene (a dict with an integrator), shape (passes, pixels, channels).
+def render_passes(scene, integrator, side, spp, passes=PASSES):
+    """Images of a scene by an integrator (both dicts), shape (passes, pixels, channels).
 
-    Seeds are disjoint between calls if `first_seed` differs by at least `passes`.
+    Sides that are compared have numbers of their own, and with them other random numbers.
     """
-    loaded = mi.load_dict(scene)
+    gc.collect()  # a living medium would be part of every kernel
+    loaded = mi.load_dict(scene | {"integrator": integrator})
     images = []
-    for seed in range(first_seed, first_seed + passes):
+    for seed in range(1000 * side, 1000 * side + passes):
         image = np.array(mi.render(loaded, spp=spp, seed=seed), dtype=np.float64)
         assert np.isfinite(image).all(), f"{np.sum(~np.isfinite(image))} values are not finite"
         images.append(image.reshape(-1, image.shape[2]))

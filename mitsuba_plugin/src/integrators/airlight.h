@@ -183,6 +183,8 @@ private:
     UnpolarizedSpectrum in_scattered(const Scene *scene, const SingleScattering &scattering,
                                      const LightSource &light, const Ray3f &ray, const Float &near,
                                      const Float &end, const Mask &active) const {
+        if (dr::none_or<false>(active))
+            return 0.f;
         if (m_shadow_steps == 0)
             return scattering.radiance(light, ray, near, end, active);
 

@@ -94,10 +94,12 @@ public:
     UnpolarizedSpectrum radiance(const LightSource &light, const Ray3f &ray, const Float &t0,
                                  const Float &t1, Mask active) const {
         const UnpolarizedSpectrum extinction = sigma_t(ray, active),
-                                  scattering = extinction * matter().albedo(at_origin(ray), active);
+                                  scattering =
+                                      extinction *
+                                      matter().albedo(FormulaMedium::interaction(ray), active);
         if (!light.directional())
             return from_point(light, ray, t0, t1, scattering, extinction);
-        MediumInteraction3f mi = at_origin(ray);
+        MediumInteraction3f mi = FormulaMedium::interaction(ray);
         mi.wi = -ray.d;
         mi.sh_frame = Frame3f(mi.wi);
         const Spectrum phase =
@@ -129,16 +131,8 @@ private:
 
     const Component &matter() const { return m_medium->component(0); }
 
-    static MediumInteraction3f at_origin(const Ray3f &ray) {
-        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
-        mi.p = ray.o;
-        mi.time = ray.time;
-        mi.wavelengths = ray.wavelengths;
-        return mi;
-    }
-
     UnpolarizedSpectrum sigma_t(const Ray3f &ray, Mask active) const {
-        return matter().sigma_t(at_origin(ray), active);
+        return matter().sigma_t(FormulaMedium::interaction(ray), active);
     }
 
     /// The kind of the medium's phase function, as the C ABI numbers it; another is an error.
@@ -175,17 +169,17 @@ private:
         if constexpr (dr::is_jit_v<Float>) {
             Tape<Float> tape;
             am_airlight_nodes air{};
-            const auto scattering = slots(tape, sigma_s), extinction = slots(tape, sigma_t);
+            const auto scattering = tape.inputs(sigma_s), extinction = tape.inputs(sigma_t);
             air.light.kind = light_kind(light);
-            copy(slots(tape, light.position), air.light.position);
-            copy(slots(tape, light.axis), air.light.axis);
+            copy(tape.inputs(light.position), air.light.position);
+            copy(tape.inputs(light.axis), air.light.axis);
             air.light.cutoff_angle = tape.input(light.cutoff);
             air.light.beam_width = tape.input(light.beam_width);
             air.phase = { phase_kind(), tape.input(mean_cosine()) };
             air.sigma_s = scattering.data();
             air.sigma_t = extinction.data();
             air.n_channels = Channels;
-            const auto o = slots(tape, ray.o), d = slots(tape, ray.d);
+            const auto o = tape.inputs(ray.o), d = tape.inputs(ray.d);
             std::array<am_node, Channels> out;
             tape.finish(am_airlight_radiance_record(tape.table(), &air, o.data(), d.data(),
                                                     tape.input(t0), tape.input(t1), out.data()));
@@ -215,10 +209,10 @@ private:
         UnpolarizedSpectrum result;
         if constexpr (dr::is_jit_v<Float>) {
             Tape<Float> tape;
-            const auto scattering = slots(tape, sigma_s), extinction = slots(tape, sigma_t);
+            const auto scattering = tape.inputs(sigma_s), extinction = tape.inputs(sigma_t);
             const am_sunlit_fog_nodes fog{ matter().profile().record_parameters(tape),
                                            scattering.data(), extinction.data(), Channels };
-            const auto from = slots(tape, o), along = slots(tape, d), towards = slots(tape, sun);
+            const auto from = tape.inputs(o), along = tape.inputs(d), towards = tape.inputs(sun);
             std::array<am_node, Channels> out;
             tape.finish(am_sunlit_fog_radiance_record(tape.table(), &fog, from.data(), along.data(),
                                                       tape.input(t), towards.data(),
@@ -232,13 +226,6 @@ private:
             am_sunlit_fog_radiance_f32(&fog, o.data(), d.data(), t, sun.data(), 1.f, result.data());
         }
         return result;
-    }
-
-    template <typename Array> static auto slots(Tape<Float> &tape, const Array &values) {
-        std::array<am_node, dr::size_v<Array>> nodes;
-        for (size_t i = 0; i < nodes.size(); ++i)
-            nodes[i] = tape.input(values[i]);
-        return nodes;
     }
 
     static std::array<double, Channels> numbers(const UnpolarizedSpectrum &values) {

@@ -265,6 +265,15 @@ public:
                dr::exp(-matter(true, mi, active).depth(segment, segment.length));
     }
 
+    /// What coefficients along a ray are evaluated at.
+    static MediumInteraction3f interaction(const Ray3f &ray) {
+        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
+        mi.wavelengths = ray.wavelengths;
+        mi.time = ray.time;
+        mi.p = ray.o;
+        return mi;
+    }
+
     MI_DECLARE_CLASS(FormulaMedium)
 
 protected:
@@ -515,15 +524,6 @@ private:
         dr::masked(flight.weight, active) = weight;
         flight.scatters = scatters;
         flight.passes = passes;
-    }
-
-    /// What coefficients are evaluated at.
-    MediumInteraction3f interaction(const Ray3f &ray) const {
-        MediumInteraction3f mi = dr::zeros<MediumInteraction3f>();
-        mi.wavelengths = ray.wavelengths;
-        mi.time = ray.time;
-        mi.p = ray.o;
-        return mi;
     }
 
     /// What scatters at a place: coefficients but for a factor that all have in common.
