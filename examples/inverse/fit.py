@@ -1,0 +1,151 @@
+"""Gradient descent on the parameters of a medium, and its picture: for both examples.
+
+    unknowns = {"fog.scale_height": Positive(start=4), "fog.phase_function.g": Share(start=0.5)}
+    course = fit(scene, target, unknowns, steps=200, spp=16)
+    plot(course, truth, "fit.png")
+
+Parameters are those of `mi.traverse(scene)`. Steps are those of Adam, in variables that keep every
+parameter in its range.
+"""
+
+import time
+from dataclasses import dataclass, field
+
+import drjit as dr
+import matplotlib.pyplot as plt
+import mitsuba as mi
+import numpy as np
+
+INTEGRATOR = {"type": "prbanalyticvolpath"}
+
+
+@dataclass(frozen=True)
+class Positive:
+    """A number, or a colour, above 0: its logarithm is what takes steps."""
+
+    start: float
+
+    forward = staticmethod(dr.log)
+    inverse = staticmethod(dr.exp)
+
+
+@dataclass(frozen=True)
+class Share:
+    """A number, or a colour, between 0 and 1: its log-odds are what takes steps."""
+
+    start: float
+
+    @staticmethod
+    def forward(x):
+        return dr.log(x / (1 - x))
+
+    @staticmethod
+    def inverse(x):
+        return 1 / (1 + dr.exp(-x))
+
+
+@dataclass
+class Course:
+    """What happened, step by step."""
+
+    target: np.ndarray
+    first: np.ndarray = None
+    last: np.ndarray = None
+    losses: list[float] = field(default_factory=list)
+    values: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    compiled: list[int] = field(default_factory=list)  # kernels, in each step
+    seconds: float = 0.0
+
+    def found(self, key):
+        """The mean of the last quarter of the steps, which noise moves less than one of them."""
+        tail = self.values[key][-(len(self.losses) // 4) :]
+        return np.mean(tail, axis=0)
+
+
+def fit(scene, target, unknowns, steps, spp, max_depth, rate=0.08):
+    """Looks for the parameters of `scene` that make it look like the image `target`.
+
+    The loss is the mean of the squared difference, each pixel's relative to its brightness in
+    `target`. The square is the product of two independent renders, so that noise, which depends on
+    the parameters, too, is no part of it. The rate of the steps falls to a tenth.
+    """
+    integrator = mi.load_dict(INTEGRATOR | {"max_depth": max_depth})
+    params = mi.traverse(scene)
+    optimizer = mi.ad.Adam(lr=rate)
+    for key, unknown in unknowns.items():
+        value = type(params[key])(unknown.start)
+        optimizer[key] = unknown.forward(value)
+
+    target = mi.TensorXf(target)
+    scale = 1 / (target + 0.1 * dr.mean(target, axis=None))
+    course = Course(np.array(target), values={key: [] for key in unknowns})
+    began = time.time()
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
+        for step in range(steps):
+            optimizer.set_learning_rate(rate * 0.1 ** (step / steps))
+            for key, unknown in unknowns.items():
+                params[key] = unknown.inverse(optimizer[key])
+            params.update()
+            images = [
+                mi.render(scene, params, integrator=integrator, spp=spp // 2, seed=2 * step + i)
+                for i in range(2)
+            ]
+            loss = dr.mean(dr.prod([(image - target) * scale for image in images]), axis=None)
+            dr.backward(loss)
+            optimizer.step()
+
+            course.losses.append(loss.array[0])
+            for key in unknowns:
+                course.values[key].append(np.array(params[key]).squeeze())
+            course.last = np.array(images[0])
+            course.first = course.last if step == 0 else course.first
+            kernels = dr.kernel_history([dr.KernelType.JIT])
+            course.compiled.append(sum(_is_new(kernel) for kernel in kernels))
+    course.seconds = time.time() - began
+    return course
+
+
+def _is_new(kernel):
+    """Not met before in this process: compiled, or read from the cache on the disk."""
+    return not kernel["cache_hit"] or kernel["cache_disk"]
+
+
+def report(course, truth):
+    """Prints what was found, and returns the largest relative error."""
+    worst = 0.0
+    for key, expected in truth.items():
+        found = course.found(key)
+        error = np.max(np.abs(found / expected - 1))
+        worst = max(worst, error)
+        start = course.values[key][0]
+        print(f"{key}: from {start} to {np.round(found, 4)}, true {expected}: {error:.1%} off")
+    print(f"{len(course.losses)} steps in {course.seconds:.0f} s")
+    first, later = course.compiled[0], course.compiled[1:]
+    print(f"new kernels: {first} in the first step, {sum(later)} in all the others")
+    return worst
+
+
+def plot(course, truth, path):
+    """Images before, after and wanted; below, the loss and the parameters by step."""
+    brightest = np.percentile(course.target, 99)
+    figure, axes = plt.subplots(2, 3, figsize=(12, 6.4), layout="constrained")
+    images = {"start": course.first, "found": course.last, "photograph": course.target}
+    for axis, (title, image) in zip(axes[0], images.items(), strict=True):
+        axis.imshow(np.clip(0.9 * image / brightest, 0, 1) ** (1 / 2.2))
+        axis.set_title(title)
+        axis.axis("off")
+    loss, relative, errors = axes[1]
+    loss.semilogy(course.losses)
+    loss.set(title="loss", xlabel="step")
+    for key, expected in truth.items():
+        name = key.split(".")[1]
+        values = np.array(course.values[key]).reshape(len(course.losses), -1) / expected
+        for channel, column in enumerate(values.T):
+            label = name if values.shape[1] == 1 else f"{name}, {['red', 'green', 'blue'][channel]}"
+            relative.plot(column, label=label)
+            errors.semilogy(np.abs(column - 1))
+    relative.set(title="parameter over its true value", xlabel="step")
+    relative.legend(fontsize="small")
+    errors.axhline(0.02, color="grey", linestyle=":")
+    errors.set(title="relative error (dotted: 2 %)", xlabel="step")
+    figure.savefig(path, dpi=110)
