@@ -1,11 +1,16 @@
 """Gradient descent on the parameters of a medium, and its picture: for both examples.
 
-    unknowns = {"fog.scale_height": Positive(start=4), "fog.phase_function.g": Share(start=0.5)}
-    course = fit(scene, target, unknowns, steps=200, spp=16)
+    unknowns = {"scale_height": Positive(start=4), "albedo": Colour(start=0.5)}
+
+    def apply(params, scale_height, albedo):
+        params["fog.scale_height"] = scale_height
+        params["fog.albedo.value.value"] = albedo
+
+    course = fit(scene, apply, target, unknowns, steps=200, spp=16, max_depth=8)
     plot(course, truth, "fit.png")
 
-Parameters are those of `mi.traverse(scene)`. Steps are those of Adam, in variables that keep every
-parameter in its range.
+`apply` sets parameters of `mi.traverse(scene)` to what the unknowns say. Steps are those of Adam, in
+variables that keep every unknown in its range.
 """
 
 import time
@@ -21,19 +26,21 @@ INTEGRATOR = {"type": "prbanalyticvolpath"}
 
 @dataclass(frozen=True)
 class Positive:
-    """A number, or a colour, above 0: its logarithm is what takes steps."""
+    """A number above 0: its logarithm is what takes steps."""
 
     start: float
+    type = staticmethod(lambda: mi.Float)
 
     forward = staticmethod(dr.log)
     inverse = staticmethod(dr.exp)
 
 
 @dataclass(frozen=True)
-class Share:
-    """A number, or a colour, between 0 and 1: its log-odds are what takes steps."""
+class Colour:
+    """A colour whose channels are between 0 and 1: their log-odds are what takes steps."""
 
     start: float
+    type = staticmethod(lambda: mi.Color3f)
 
     @staticmethod
     def forward(x):
@@ -56,35 +63,34 @@ class Course:
     compiled: list[int] = field(default_factory=list)  # kernels, in each step
     seconds: float = 0.0
 
-    def found(self, key):
+    def found(self, name):
         """The mean of the last quarter of the steps, which noise moves less than one of them."""
-        tail = self.values[key][-(len(self.losses) // 4) :]
+        tail = self.values[name][-(len(self.losses) // 4) :]
         return np.mean(tail, axis=0)
 
 
-def fit(scene, target, unknowns, steps, spp, max_depth, rate=0.08):
-    """Looks for the parameters of `scene` that make it look like the image `target`.
+def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.08):
+    """Looks for the unknowns that make `scene` look like the image `target`.
 
     The loss is the mean of the squared difference, each pixel's relative to its brightness in
     `target`. The square is the product of two independent renders, so that noise, which depends on
-    the parameters, too, is no part of it. The rate of the steps falls to a tenth.
+    the unknowns, too, is no part of it. The rate of the steps falls to a tenth.
     """
     integrator = mi.load_dict(INTEGRATOR | {"max_depth": max_depth})
     params = mi.traverse(scene)
     optimizer = mi.ad.Adam(lr=rate)
-    for key, unknown in unknowns.items():
-        value = type(params[key])(unknown.start)
-        optimizer[key] = unknown.forward(value)
+    for name, unknown in unknowns.items():
+        optimizer[name] = unknown.forward(unknown.type()(unknown.start))
 
     target = mi.TensorXf(target)
     scale = 1 / (target + 0.1 * dr.mean(target, axis=None))
-    course = Course(np.array(target), values={key: [] for key in unknowns})
+    course = Course(np.array(target), values={name: [] for name in unknowns})
     began = time.time()
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
         for step in range(steps):
             optimizer.set_learning_rate(rate * 0.1 ** (step / steps))
-            for key, unknown in unknowns.items():
-                params[key] = unknown.inverse(optimizer[key])
+            values = {name: u.inverse(optimizer[name]) for name, u in unknowns.items()}
+            apply(params, **values)
             params.update()
             images = [
                 mi.render(scene, params, integrator=integrator, spp=spp // 2, seed=2 * step + i)
@@ -95,8 +101,8 @@ def fit(scene, target, unknowns, steps, spp, max_depth, rate=0.08):
             optimizer.step()
 
             course.losses.append(loss.array[0])
-            for key in unknowns:
-                course.values[key].append(np.array(params[key]).squeeze())
+            for name, value in values.items():
+                course.values[name].append(np.array(value).squeeze())
             course.last = np.array(images[0])
             course.first = course.last if step == 0 else course.first
             kernels = dr.kernel_history([dr.KernelType.JIT])
@@ -113,12 +119,12 @@ def _is_new(kernel):
 def report(course, truth):
     """Prints what was found, and returns the largest relative error."""
     worst = 0.0
-    for key, expected in truth.items():
-        found = course.found(key)
+    for name, expected in truth.items():
+        found = course.found(name)
         error = np.max(np.abs(found / expected - 1))
         worst = max(worst, error)
-        start = course.values[key][0]
-        print(f"{key}: from {start} to {np.round(found, 4)}, true {expected}: {error:.1%} off")
+        start = np.round(course.values[name][0], 3)
+        print(f"{name}: from {start} to {np.round(found, 4)}, true {expected}: {error:.1%} off")
     print(f"{len(course.losses)} steps in {course.seconds:.0f} s")
     first, later = course.compiled[0], course.compiled[1:]
     print(f"new kernels: {first} in the first step, {sum(later)} in all the others")
@@ -137,9 +143,8 @@ def plot(course, truth, path):
     loss, relative, errors = axes[1]
     loss.semilogy(course.losses)
     loss.set(title="loss", xlabel="step")
-    for key, expected in truth.items():
-        name = key.split(".")[1]
-        values = np.array(course.values[key]).reshape(len(course.losses), -1) / expected
+    for name, expected in truth.items():
+        values = np.array(course.values[name]).reshape(len(course.losses), -1) / expected
         for channel, column in enumerate(values.T):
             label = name if values.shape[1] == 1 else f"{name}, {['red', 'green', 'blue'][channel]}"
             relative.plot(column, label=label)

@@ -3,8 +3,8 @@
     python examples/inverse/sunset.py [--steps N] [--spp N] [--output sunset_fit.png]
 
 The photograph is a render of scenes/earth_sunset.xml by `analyticvolpath`. Air, ozone, the ground
-and the sun are known; of the aerosol, its colour. The search begins with three times the load, in
-a layer half as deep again.
+and the sun are known; of the aerosol, its colour. The search begins with four times the load, in a
+layer twice as deep.
 """
 
 import argparse
@@ -19,25 +19,31 @@ from fit import Positive, fit, plot, report  # noqa: E402
 import analytic_media  # noqa: E402, F401  (the plugins)
 
 SCENE = str(Path(__file__).parents[2] / "scenes" / "earth_sunset.xml")
-TRUTH = {"air.aerosol.scale": 1.0, "air.aerosol.scale_height": 2.0}  # a factor of σ_t; km
+GREEN = 0.061  # σ_t of the aerosol on the ground in the scene, 1/km
 START = {
-    "air.aerosol.scale": Positive(start=3.0),
-    "air.aerosol.scale_height": Positive(start=3.0),
+    "optical_depth": Positive(start=0.5),  # of the vertical, in green
+    "scale_height": Positive(start=4.0),  # km
 }
+TRUTH = {"optical_depth": 2.0 * GREEN, "scale_height": 2.0}
 MAX_DEPTH = 5
+
+
+def apply(params, optical_depth, scale_height):
+    params["air.aerosol.scale"] = optical_depth / (GREEN * scale_height)
+    params["air.aerosol.scale_height"] = scale_height
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=120)
-    parser.add_argument("--spp", type=int, default=16, help="paths per pixel in each step")
+    parser.add_argument("--steps", type=int, default=150)
+    parser.add_argument("--spp", type=int, default=64, help="paths per pixel in each step")
     parser.add_argument("--output", default="sunset_fit.png")
     options = parser.parse_args()
 
     scene = mi.load_file(SCENE, res_x=64, res_y=36, max_depth=MAX_DEPTH)
     photograph = mi.render(scene, spp=1024, seed=12345)
 
-    course = fit(scene, photograph, START, options.steps, options.spp, MAX_DEPTH)
+    course = fit(scene, apply, photograph, START, options.steps, options.spp, MAX_DEPTH)
     worst = report(course, TRUTH)
     plot(course, TRUTH, options.output)
     raise SystemExit(worst > 0.02)
