@@ -18,15 +18,17 @@ import numpy as np
 PASSES = 32
 
 
-def render_passes(scene, spp, first_seed, passes=PASSES):
-    """Images of a scene (a dict with an integrator), shape (passes, pixels, channels).
+def render_passes(scene, spp, first_seed, passes=PASSES, integrator=None):
+    """Images of a scene, a dict or loaded, shape (passes, pixels, channels); by the scene's own
+    integrator unless another is given.
 
     Seeds are disjoint between calls if `first_seed` differs by at least `passes`.
     """
-    loaded = mi.load_dict(scene)
+    loaded = mi.load_dict(scene) if isinstance(scene, dict) else scene
     images = []
     for seed in range(first_seed, first_seed + passes):
-        image = np.array(mi.render(loaded, spp=spp, seed=seed), dtype=np.float64)
+        image = mi.render(loaded, integrator=integrator, spp=spp, seed=seed)
+        image = np.array(image, dtype=np.float64)
         assert np.isfinite(image).all(), f"{np.sum(~np.isfinite(image))} values are not finite"
         images.append(image.reshape(-1, image.shape[2]))
     return np.stack(images)
