@@ -53,20 +53,14 @@ unsafe fn parts<'a, T>(
     sigma_s: *const T,
     sigma_t: *const T,
     n_channels: usize,
-) -> Result<(&'a [T], &'a [T]), Failure> {
+) -> Result<[&'a [T]; 2], Failure> {
     sunlit::check_kind(describe::known(kind)?)?;
-    arg::count(n_channels, "n_channels")?;
     // SAFETY: promised by the caller.
-    unsafe {
-        Ok((
-            arg::slice(sigma_s, n_channels, "sigma_s")?,
-            arg::slice(sigma_t, n_channels, "sigma_t")?,
-        ))
-    }
+    unsafe { arg::coefficients(sigma_s, sigma_t, n_channels) }
 }
 
 impl AmSunlitFog {
-    fn parts(&self) -> Result<(&[f64], &[f64]), Failure> {
+    fn parts(&self) -> Result<[&[f64]; 2], Failure> {
         // SAFETY: promised by the caller who made the struct.
         unsafe {
             parts(
@@ -87,7 +81,7 @@ impl Model for AmSunlitFog {
     }
 
     fn lift<R: Real>(&self, lift: impl Fn(f64) -> R) -> SunlitFog<R> {
-        let (sigma_s, sigma_t) = self.parts().ok().expect("the fog has been checked");
+        let [sigma_s, sigma_t] = self.parts().ok().expect("the fog has been checked");
         let channels = |sigma: &[f64]| sigma.iter().map(|s| lift(*s)).collect();
         SunlitFog::new(
             self.profile.lift(&lift),
@@ -103,7 +97,7 @@ impl RecordedModel for AmSunlitFogNodes {
     unsafe fn nodes<'h>(&self, host: &'h AmHostTable) -> Result<SunlitFog<Node<'h>>, Failure> {
         let (kind, n) = (self.profile.kind, self.n_channels);
         // SAFETY: promised by the caller.
-        let (sigma_s, sigma_t) = unsafe { parts(kind, self.sigma_s, self.sigma_t, n) }?;
+        let [sigma_s, sigma_t] = unsafe { parts(kind, self.sigma_s, self.sigma_t, n) }?;
         let channels = |slots: &[AmNode]| slots.iter().map(|s| Node::new(host, *s)).collect();
         let profile = self.profile.lift(host)?;
         Ok(SunlitFog::new(
@@ -124,7 +118,7 @@ pub unsafe extern "C" fn am_sunlit_fog_check(fog: *const AmSunlitFog) -> AmStatu
     guard(|| {
         // SAFETY: promised by the caller.
         let fog = unsafe { arg::reference(fog, "fog") }?;
-        let (sigma_s, sigma_t) = fog.parts()?;
+        let [sigma_s, sigma_t] = fog.parts()?;
         fog.profile.check()?;
         for (name, sigmas) in [("sigma_s", sigma_s), ("sigma_t", sigma_t)] {
             for sigma in sigmas {
