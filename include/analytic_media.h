@@ -3848,6 +3848,85 @@ am_status am_sunlit_fog_radiance_record(const struct am_host_table *host,
                                         am_node phase,
                                         am_node *radiance);
 
+// `am_sunlit_fog_radiance_f64` of a constant fog that fills a box and nothing else: the
+// irradiance is that of a surface outside of it. The segment, 0 ≤ `t` < ∞, is in the box, whose
+// corners are `box_min` < `box_max`.
+//
+// Relative error below 1e-14 (1 + τ), in single precision 2e-6 (1 + τ), where τ is the greatest
+// optical depth of a way through the box.
+// Source: docs/airlight.md.
+//
+// # Safety
+// As for `am_sunlit_fog_radiance_f64`; corners are three numbers.
+am_status am_sunlit_fog_radiance_in_box_f64(const struct am_sunlit_fog *fog,
+                                            const double *origin,
+                                            const double *direction,
+                                            double t,
+                                            const double *sun_direction,
+                                            double phase,
+                                            const double *box_min,
+                                            const double *box_max,
+                                            double *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sunlit_fog_radiance_in_box_f32(const struct am_sunlit_fog *fog,
+                                            const float *origin,
+                                            const float *direction,
+                                            float t,
+                                            const float *sun_direction,
+                                            float phase,
+                                            const float *box_min,
+                                            const float *box_max,
+                                            float *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_in_box_batch_f64(const struct am_sunlit_fog *fog,
+                                                  size_t n,
+                                                  struct am_array_f64 origin,
+                                                  struct am_array_f64 direction,
+                                                  struct am_array_f64 t,
+                                                  struct am_array_f64 sun_direction,
+                                                  struct am_array_f64 phase,
+                                                  struct am_array_f64 box_min,
+                                                  struct am_array_f64 box_max,
+                                                  double *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_in_box_batch_f32(const struct am_sunlit_fog *fog,
+                                                  size_t n,
+                                                  struct am_array_f32 origin,
+                                                  struct am_array_f32 direction,
+                                                  struct am_array_f32 t,
+                                                  struct am_array_f32 sun_direction,
+                                                  struct am_array_f32 phase,
+                                                  struct am_array_f32 box_min,
+                                                  struct am_array_f32 box_max,
+                                                  float *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sunlit_fog_radiance_in_box_record(const struct am_host_table *host,
+                                               const struct am_sunlit_fog_nodes *fog,
+                                               const am_node *origin,
+                                               const am_node *direction,
+                                               am_node t,
+                                               const am_node *sun_direction,
+                                               am_node phase,
+                                               const am_node *box_min,
+                                               const am_node *box_max,
+                                               am_node *radiance);
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

@@ -326,6 +326,7 @@ fn table_of_costs() {
             terms!(4);
             terms!(6);
             terms!(12);
+            terms!(20);
         }
     }
     // Lanes whose rays differ, so that they need several regimes of Ei.
@@ -361,7 +362,7 @@ fn table_of_costs() {
     println!(
         "| isotropic, f64 lanes, per ray | 48 points {rule:.0} ns | closed form {closed:.0} ns |"
     );
-    assert_eq!(methods, 3 * 5 + 1 + 3 + 3);
+    assert_eq!(methods, 3 * 5 + 1 + 4 + 4);
 }
 
 /// Prints the error against the cost, of all cases.
@@ -393,6 +394,10 @@ fn table_of_error_against_cost() {
         (
             "closed form, 12 terms",
             errors(one, |r| ours::<12>(r, Expansion::Midpoint)),
+        ),
+        (
+            "closed form, 20 terms",
+            errors(one, |r| ours::<20>(r, Expansion::Midpoint)),
         ),
         (
             "as printed, 4 terms",

@@ -33,6 +33,7 @@ pub mod published;
 pub mod quadrature;
 mod segment;
 pub mod sunlit;
+pub mod sunlit_box;
 
 use crate::geometry::Ray;
 use crate::real::Real;

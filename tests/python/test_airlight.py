@@ -77,7 +77,7 @@ def test_rows_in_single_precision():
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
 def test_rows_within_a_tolerance(tolerance):
-    """Two rows of 420 may miss it: tests/airlight_methods.rs has the counts and the worst errors."""
+    """Two rows of 420 may miss it: tests/airlight_methods.rs has counts and worst errors."""
     missed, below = 0, 0
     for row in rows.read("airlight"):
         s, t, h, x_h, x_a, x_b, axis = numbers(row, False)

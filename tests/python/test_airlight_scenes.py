@@ -62,6 +62,7 @@ def test_scenes_render(variant, integrator, name):
 AIRLIGHT = {"type": "airlight"}
 ONCE = {"type": "analyticvolpath", "max_depth": 2, "distance_sampling": "mis"}
 STOCK = {"type": "volpath", "max_depth": 2}
+NARROW_BEAMS = "airlight_stage", "airlight_lighthouse"
 
 
 def unshadowed(name):
@@ -95,21 +96,23 @@ class TestAgainstMonteCarlo:
     """Per-pixel z-scores: `airlight` is what path tracers of single scattering converge to.
 
     They end shadow rays 0.1 % short of a light at a point, and so are too bright by 0.1 % of the
-    optical depth: less than the noise of these samples. Narrow cones of light are hit by few of
-    them, so passes need many until their means are normal.
+    optical depth: 4 samples per pixel and pass do not resolve that, 32 would in the bench's blue.
+    Narrow beams are hit by few samples, and need 32 until the means of passes are normal.
     """
 
     @pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"], indirect=True)
     @each_scene
     def test_our_path_tracer(self, variant, name):
         scene = unshadowed(name)
-        assert_agree(passes(scene, AIRLIGHT, 4), passes(scene, ONCE, 32, seed=1000), pixels=1700)
+        samples = 32 if name in NARROW_BEAMS else 4
+        ours, theirs = passes(scene, AIRLIGHT, 4), passes(scene, ONCE, samples, seed=1000)
+        assert_agree(ours, theirs, pixels=1700)
 
     @pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
     @pytest.mark.parametrize("name", ["airlight_bench", "airlight_road"])
     def test_stock_path_tracer(self, variant, name):
-        """Free flights have an infinite variance near a light: such pixels are left out. The beams
-        of the other scenes are too narrow for them."""
+        """Free flights have an infinite variance near a light: such pixels are left out, and scenes
+        of narrow beams."""
         scene = unshadowed(name)
         far = nearest_light(scene) > 1.25
         ours, theirs = passes(scene, AIRLIGHT, 4), passes(scene, STOCK, 64, seed=1000)
