@@ -12,6 +12,7 @@ import subprocess
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 HERE = Path(__file__).parent
 COMMAND = "cargo test --release --test airlight_methods -- --nocapture --test-threads=1"
@@ -23,7 +24,7 @@ METHODS = {
 
 def cells(text, name):
     """Numbers of the line of a table that is called `name`."""
-    (line,) = re.findall(rf"^\| {re.escape(name)} \|(.*)\|$", text, re.MULTILINE)
+    (line,) = re.findall(rf"^\| {re.escape(name)} \|([-\d.e| ]*)\|$", text, re.MULTILINE)
     return [float(cell) for cell in line.split("|")]
 
 
@@ -48,10 +49,14 @@ def main():
                               fontsize=8, color=colour)  # fmt: skip
     axes[0].set(xscale="log", yscale="log", xlabel="recorded operations", ylabel="relative error")
     axes[1].set(xscale="log", xlabel="ns per ray, one channel, double precision")
-    for axis in axes:
+    ticks = (2e3, 5e3, 1e4, 2e4, 5e4), (5e2, 1e3, 2e3, 5e3, 1e4)
+    for axis, marks in zip(axes, ticks, strict=True):
+        axis.set_xticks(marks)
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0].legend(frameon=False, fontsize=8)
+    axes[0].legend(frameon=False, fontsize=8, loc="center right")
     figure.suptitle("Air-light: error against cost, by points or terms", fontsize=10.5)
     figure.savefig(HERE / "airlight_cost.png", dpi=110)
 

@@ -74,7 +74,8 @@ static void in_a_box(void) {
         CHECK_NEAR(b[i], 0.25 * 0.5 * 2 * 0.22313016014842982, 1e-6);
     }
     CHECK_FAILS(am_sunlit_fog_radiance_in_box_f64(&fog, origin, up, ahead, up, phase, low, high, a),
-                AM_STATUS_INVALID_ARGUMENT, "profile must be constant in a box, got exponential");
+                AM_STATUS_INVALID_ARGUMENT,
+                "profile must be constant in a box, got \"exponential\"");
 }
 
 /* The same on a tape; then on a host that fails at each operation in turn. */

@@ -157,7 +157,7 @@ def test_a_box_is_lit_through_its_sides():
 
 
 def test_a_box_needs_a_constant_fog():
-    with pytest.raises(ValueError, match="profile must be constant in a box, got exponential"):
+    with pytest.raises(ValueError, match='profile must be constant in a box, got "exponential"'):
         am.sunlit_fog(
             am.Exponential(scale_height=2), 0.5, 0.5, (0, 0, 1), (1, 0, 0), 1, (0, 0, 1),
             bounds=((-3, -3, 0), (3, 3, 2)),
