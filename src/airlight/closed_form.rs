@@ -71,7 +71,7 @@ fn by_pieces<R: Real, const N: usize>(
     air.scattered(sums)
 }
 
-/// [`radiance`], and an estimate of its relative error: [`SAFETY`] times what the last two terms
+/// [`radiance`], and an estimate of its relative error: four times what the last two terms
 /// contribute, and what rounding leaves of all terms.
 pub fn estimate<R: Real, const N: usize>(
     air: &AirLight<R>,

@@ -182,7 +182,7 @@ impl<const N: usize> Series<'_, N> {
         let (a, b) = (w(a), w(b));
         // Of the powers of −w.
         let d = self.coefficients(1.0, -a, -b);
-        let sign = |n: usize| if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let sign = |n: usize| if n % 2 == 0 { 1.0 } else { -1.0 };
         let term =
             |(n, d): (usize, &f64)| sign(n) * d * second_moment(self.optical, a, b, n as i32);
         d.iter().enumerate().take(self.terms).map(term).sum()

@@ -379,7 +379,7 @@ impl AmAirlightMethod {
             method.ok_or_else(|| unknown("method must be one of am_airlight_method", number))?;
         let (good, reason) = match method {
             Quadrature => (
-                (8..=64).contains(&terms) && terms.is_multiple_of(8),
+                (8..=64).contains(&terms) && terms % 8 == 0,
                 "must be a multiple of 8 in [8, 64]",
             ),
             _ => ((1..=TERMS).contains(&terms), "must be in [1, 20]"),
