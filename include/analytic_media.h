@@ -513,8 +513,8 @@ am_status am_airlight_radiance_record(const struct am_host_table *host,
 // `am_airlight_radiance_f64` at the least cost that keeps the relative error `tolerance`, > 0,
 // in every channel; and `error`, an estimate of the relative error of each.
 //
-// Tolerances below 1e-9, in single precision 1e-4, may not be reached. The estimate is one: of
-// the rows of `airlight.json` 1 in 100 exceeds it or the tolerance, by a factor of 20 or less.
+// Tolerances below 1e-9, in single precision 1e-4, may not be reached. The estimate is no bound:
+// of the rows of `airlight.json` 1 in 100 exceeds the tolerance, by a factor of 10 or less.
 // Rays of a batch that are computed together take what the worst of them needs. A recording
 // cannot choose: it costs what `am_airlight_radiance_record` does, and has an estimate too.
 // Source: `docs/airlight.md`.

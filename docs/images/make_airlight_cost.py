@@ -56,7 +56,8 @@ def main():
         axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0].legend(frameon=False, fontsize=8, loc="center right")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+                  frameon=False, fontsize=8)  # fmt: skip
     figure.suptitle("Air-light: error against cost, by points or terms", fontsize=10.5)
     figure.savefig(HERE / "airlight_cost.png", dpi=110)
 
