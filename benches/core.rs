@@ -6,7 +6,14 @@
 //! Criterion prints the time of each loop; the last lines are nanoseconds per ray and the
 //! ratio to the floor.
 
+use analytic_media::airlight::closed_form::{self, Expansion};
+use analytic_media::airlight::light::{Intensity, Light};
+use analytic_media::airlight::phase::Phase;
+use analytic_media::airlight::sunlit::SunlitFog;
+use analytic_media::airlight::{AirLight, quadrature};
 use analytic_media::ffi::*;
+use analytic_media::geometry::Ray;
+use analytic_media::profile::{AnyProfile, Kind};
 use analytic_media::real::Real;
 use analytic_media::real::lanes::{F32Lanes, F64Lanes, Lanes};
 use criterion::Criterion;
@@ -141,6 +148,84 @@ precision!(
     am_profile_inv_column_batch_f64
 );
 
+/// Single scattering in one channel: rays past a lamp, by quadrature of isotropic light that
+/// Henyey–Greenstein's phase function scatters, and in closed form for an isotropic one; rays
+/// through exponential fog in the sun.
+macro_rules! scattering {
+    ($bench:ident, $float:ident, $Lanes:ident) => {
+        fn $bench(criterion: &mut Criterion, rows: &mut Vec<Row>) {
+            let number = |x: f64| $Lanes::splat(x as $float);
+            let point = |x: [f64; 3]| x.map(number);
+            let lamp = |phase| AirLight {
+                light: Light {
+                    position: point([0.0, 3.0, 5.0]),
+                    axis: point([0.0, 0.0, -1.0]),
+                    intensity: Intensity::Isotropic,
+                },
+                phase,
+                sigma_s: vec![number(0.1)],
+                sigma_t: vec![number(0.12)],
+            };
+            let peaked = lamp(Phase::HenyeyGreenstein { g: number(0.7) });
+            let even = lamp(Phase::Isotropic);
+            let layers = [0.0, 0.0, 1.0, 0.0, 8.0].map(number);
+            let layers = AnyProfile::from_values(Kind::Exponential, &layers);
+            let fog = SunlitFog::new(layers, vec![number(0.1)], vec![number(0.12)]);
+            let sun = point([0.6, 0.0, 0.8]);
+
+            let rays: Vec<(Ray<$Lanes>, $Lanes)> = (0..N / $Lanes::COUNT)
+                .map(|first| {
+                    let at = |lane: usize| (first * $Lanes::COUNT + lane) as $float / N as $float;
+                    let mu = $Lanes::gather(|lane| 1.8 * at(lane) - 0.9);
+                    let ray = Ray {
+                        origin: point([-4.0, 0.0, 1.0]),
+                        direction: [(number(1.0) - mu * mu).sqrt(), number(0.0), mu],
+                    };
+                    (ray, $Lanes::gather(|lane| 5.0 + 10.0 * at(lane)))
+                })
+                .collect();
+            let (start, phase) = (number(0.0), number(0.08));
+
+            // Exponentials of the floor: two for each point on both sides of the foot; about one for each end
+            // and function of the closed form.
+            let mut row = |question: &str, exps: usize, ask: &dyn Fn(&Ray<$Lanes>, $Lanes)| {
+                let name = format!("{} {question}", stringify!($float));
+                let mut all = || rays.iter().for_each(|(ray, t)| ask(ray, *t));
+                criterion.bench_function(&name, |b| b.iter(&mut all));
+                let time = nanoseconds(&mut all);
+                let least = nanoseconds(|| {
+                    for (_, t) in &rays {
+                        black_box((0..exps).fold(*t, |x, _| (-x).exp()));
+                    }
+                });
+                rows.push((name, time, least));
+            };
+            for points in [8, 16, 24] {
+                row(
+                    &format!("airlight, {points} points"),
+                    4 * points,
+                    &|ray, t| {
+                        let phase = &peaked.phase;
+                        black_box(quadrature::radiance_by(
+                            &peaked, phase, ray, start, t, points,
+                        ));
+                    },
+                );
+            }
+            row("airlight, closed form", 12, &|ray, t| {
+                let middle = Expansion::Midpoint;
+                black_box(closed_form::radiance::<_, 1>(&even, middle, ray, start, t));
+            });
+            row("sunlit fog", 3, &|ray, t| {
+                black_box(fog.radiance(ray, t, sun, phase).next());
+            });
+        }
+    };
+}
+
+scattering!(bench_scattering_f32, f32, F32Lanes);
+scattering!(bench_scattering_f64, f64, F64Lanes);
+
 fn main() {
     let mut criterion = Criterion::default()
         .warm_up_time(std::time::Duration::from_millis(100))
@@ -149,6 +234,8 @@ fn main() {
     let mut rows = Vec::new();
     bench_f32(&mut criterion, &mut rows);
     bench_f64(&mut criterion, &mut rows);
+    bench_scattering_f32(&mut criterion, &mut rows);
+    bench_scattering_f64(&mut criterion, &mut rows);
     println!(
         "\n{:<32} {:>8} {:>8} {:>6}",
         "ns per ray", "query", "floor", "ratio"

@@ -132,6 +132,31 @@ typedef uint32_t am_phase_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Ways to compute air-light. Numbers are fixed for ever.
+enum am_airlight_method
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Quadrature with `terms` points for each piece of the ray: 8, 16, …, 64.
+  AM_AIRLIGHT_METHOD_QUADRATURE = 0,
+  // The closed form by stable recurrences, with `terms` terms of its series.
+  AM_AIRLIGHT_METHOD_CLOSED_FORM = 1,
+  // The paper's combined formulation as it is printed (Eq. 20).
+  AM_AIRLIGHT_METHOD_COMBINED = 2,
+  // The paper's first reformulation alone (Eq. 12), as it is printed.
+  AM_AIRLIGHT_METHOD_FIRST = 3,
+  // The paper's second reformulation alone (Eq. 18), as it is printed.
+  AM_AIRLIGHT_METHOD_SECOND = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum am_airlight_method am_airlight_method;
+#else
+typedef uint32_t am_airlight_method;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // A point light of intensity 1 on its axis. Fields that the kind has no use for may hold anything.
 typedef struct am_light {
   // Kind of light, from `am_light_kind`.
@@ -484,6 +509,98 @@ am_status am_airlight_radiance_record(const struct am_host_table *host,
                                       am_node t0,
                                       am_node t1,
                                       am_node *radiance);
+
+// `am_airlight_radiance_f64` at the least cost that keeps the relative error `tolerance`, > 0,
+// in every channel; and `error`, an estimate of the relative error of each.
+//
+// Tolerances below 1e-9, in single precision 1e-4, may not be reached. The estimate is no bound:
+// of the rows of `airlight.json` 1 in 100 exceeds the tolerance, by a factor of 10 or less.
+// Rays of a batch that are computed together take what the worst of them needs. A recording
+// cannot choose: it costs what `am_airlight_radiance_record` does, and has an estimate too.
+// Source: `docs/airlight.md`.
+//
+// # Safety
+// As for `am_airlight_radiance_f64`; `error` points to one number per channel.
+am_status am_airlight_radiance_within_f64(const struct am_airlight *airlight,
+                                          const double *origin,
+                                          const double *direction,
+                                          double t0,
+                                          double t1,
+                                          double tolerance,
+                                          double *radiance,
+                                          double *error);
+
+// `am_airlight_radiance_within_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_airlight_radiance_within_f32(const struct am_airlight *airlight,
+                                          const float *origin,
+                                          const float *direction,
+                                          float t0,
+                                          float t1,
+                                          float tolerance,
+                                          float *radiance,
+                                          float *error);
+
+// `am_airlight_radiance_within_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_airlight_radiance_within_batch_f64(const struct am_airlight *airlight,
+                                                size_t n,
+                                                struct am_array_f64 origin,
+                                                struct am_array_f64 direction,
+                                                struct am_array_f64 t0,
+                                                struct am_array_f64 t1,
+                                                struct am_array_f64 tolerance,
+                                                double *radiance,
+                                                double *error);
+
+// `am_airlight_radiance_within_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_airlight_radiance_within_batch_f32(const struct am_airlight *airlight,
+                                                size_t n,
+                                                struct am_array_f32 origin,
+                                                struct am_array_f32 direction,
+                                                struct am_array_f32 t0,
+                                                struct am_array_f32 t1,
+                                                struct am_array_f32 tolerance,
+                                                float *radiance,
+                                                float *error);
+
+// `am_airlight_radiance_within_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_airlight_radiance_within_record(const struct am_host_table *host,
+                                             const struct am_airlight_nodes *airlight,
+                                             const am_node *origin,
+                                             const am_node *direction,
+                                             am_node t0,
+                                             am_node t1,
+                                             am_node tolerance,
+                                             am_node *radiance,
+                                             am_node *error);
+
+// `am_airlight_radiance_batch_f64` by a method of choice, an `am_airlight_method`, with so many
+// `terms`, for comparisons: series are expanded in the middle of what lies between the foot of the
+// light and its edges. No error is promised; the closed forms need extinction, and the paper's lose
+// all digits in thick media, near the light and for short segments (`docs/airlight.md`).
+//
+// # Safety
+// As for `am_airlight_radiance_batch_f64`.
+am_status am_airlight_radiance_by(const struct am_airlight *airlight,
+                                  uint32_t method,
+                                  size_t terms,
+                                  size_t n,
+                                  struct am_array_f64 origin,
+                                  struct am_array_f64 direction,
+                                  struct am_array_f64 t0,
+                                  struct am_array_f64 t1,
+                                  double *radiance);
 
 // `am_airlight_radiance_f64` with a phase function of the caller in place of `airlight.phase`:
 // `phase(cosine, data)` is called up to 64 times for each part of the ray that the light does not
@@ -3730,6 +3847,85 @@ am_status am_sunlit_fog_radiance_record(const struct am_host_table *host,
                                         const am_node *sun_direction,
                                         am_node phase,
                                         am_node *radiance);
+
+// `am_sunlit_fog_radiance_f64` of a constant fog that fills a box and nothing else: the
+// irradiance is that of a surface outside of it. The segment, 0 ≤ `t` < ∞, is in the box, whose
+// corners are `box_min` < `box_max`.
+//
+// Relative error below 1e-14 (1 + τ), in single precision 2e-6 (1 + τ), where τ is the greatest
+// optical depth of a way through the box.
+// Source: docs/airlight.md.
+//
+// # Safety
+// As for `am_sunlit_fog_radiance_f64`; corners are three numbers.
+am_status am_sunlit_fog_radiance_in_box_f64(const struct am_sunlit_fog *fog,
+                                            const double *origin,
+                                            const double *direction,
+                                            double t,
+                                            const double *sun_direction,
+                                            double phase,
+                                            const double *box_min,
+                                            const double *box_max,
+                                            double *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_sunlit_fog_radiance_in_box_f32(const struct am_sunlit_fog *fog,
+                                            const float *origin,
+                                            const float *direction,
+                                            float t,
+                                            const float *sun_direction,
+                                            float phase,
+                                            const float *box_min,
+                                            const float *box_max,
+                                            float *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_in_box_batch_f64(const struct am_sunlit_fog *fog,
+                                                  size_t n,
+                                                  struct am_array_f64 origin,
+                                                  struct am_array_f64 direction,
+                                                  struct am_array_f64 t,
+                                                  struct am_array_f64 sun_direction,
+                                                  struct am_array_f64 phase,
+                                                  struct am_array_f64 box_min,
+                                                  struct am_array_f64 box_max,
+                                                  double *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_sunlit_fog_radiance_in_box_batch_f32(const struct am_sunlit_fog *fog,
+                                                  size_t n,
+                                                  struct am_array_f32 origin,
+                                                  struct am_array_f32 direction,
+                                                  struct am_array_f32 t,
+                                                  struct am_array_f32 sun_direction,
+                                                  struct am_array_f32 phase,
+                                                  struct am_array_f32 box_min,
+                                                  struct am_array_f32 box_max,
+                                                  float *radiance);
+
+// `am_sunlit_fog_radiance_in_box_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_sunlit_fog_radiance_in_box_record(const struct am_host_table *host,
+                                               const struct am_sunlit_fog_nodes *fog,
+                                               const am_node *origin,
+                                               const am_node *direction,
+                                               am_node t,
+                                               const am_node *sun_direction,
+                                               am_node phase,
+                                               const am_node *box_min,
+                                               const am_node *box_max,
+                                               am_node *radiance);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -69,6 +69,8 @@ template <typename T> struct Abi;
         AM_DETAIL_QUESTION(medium_free_flight, suffix)                                             \
         AM_DETAIL_QUESTION(medium_pdf, suffix)                                                     \
         AM_DETAIL_QUESTION(medium_pdf_within, suffix)                                              \
+        AM_DETAIL_QUESTION(airlight_radiance, suffix)                                              \
+        AM_DETAIL_QUESTION(airlight_radiance_within, suffix)                                       \
     };
 
 AM_DETAIL_ABI(double, f64)
@@ -371,6 +373,70 @@ private:
     std::vector<am_profile> m_profiles;
     std::vector<double> m_sigma_t;
     std::size_t m_channels = 0;
+};
+
+// A point light in a uniform medium, in one or more channels.
+class AirLight {
+public:
+    // Coefficients in 1/length, one of each per channel.
+    AirLight(const am_light &light, const am_phase &phase, std::vector<double> sigma_s,
+             std::vector<double> sigma_t)
+        : m_light(light), m_phase(phase), m_sigma_s(std::move(sigma_s)),
+          m_sigma_t(std::move(sigma_t)) {
+        if (m_sigma_s.size() != m_sigma_t.size())
+            throw Error(AM_STATUS_INVALID_ARGUMENT,
+                        "sigma_s and sigma_t must have the same number of channels");
+        am_airlight a = data();
+        detail::check(am_airlight_check(&a));
+    }
+
+    // Valid as long as this object.
+    am_airlight data() const noexcept {
+        return { m_light, m_phase, m_sigma_s.data(), m_sigma_t.data(), m_sigma_s.size() };
+    }
+
+    std::size_t channels() const noexcept { return m_sigma_s.size(); }
+
+    // Radiance scattered towards t0 between t0 and t1 per unit intensity, per channel.
+    template <typename T>
+    std::vector<T> radiance(const Vector<T> &origin, const Vector<T> &direction, T t0, T t1) const {
+        am_airlight a = data();
+        std::vector<T> out(channels());
+        detail::check(detail::Abi<T>::airlight_radiance(&a, origin.data(), direction.data(), t0, t1,
+                                                        out.data()));
+        return out;
+    }
+
+    // The same at the least cost that keeps a relative error, and an estimate of the error.
+    template <typename T>
+    std::pair<std::vector<T>, std::vector<T>> radiance_within(const Vector<T> &origin,
+                                                              const Vector<T> &direction, T t0,
+                                                              T t1, T tolerance) const {
+        am_airlight a = data();
+        std::vector<T> out(channels()), error(channels());
+        detail::check(detail::Abi<T>::airlight_radiance_within(
+            &a, origin.data(), direction.data(), t0, t1, tolerance, out.data(), error.data()));
+        return { out, error };
+    }
+
+    // Of many rays: the channels of the first ray, of the second, and so on.
+    template <typename T>
+    std::vector<T> radiance(const std::vector<Vector<T>> &origins,
+                            const std::vector<Vector<T>> &directions, const std::vector<T> &t0,
+                            const std::vector<T> &t1) const {
+        am_airlight a = data();
+        std::size_t n = detail::count({ origins.size(), directions.size(), t0.size(), t1.size() });
+        std::vector<T> out(n * channels());
+        detail::check(detail::Abi<T>::airlight_radiance_batch(
+            &a, n, detail::array(origins), detail::array(directions), detail::array(t0),
+            detail::array(t1), out.data()));
+        return out;
+    }
+
+private:
+    am_light m_light;
+    am_phase m_phase;
+    std::vector<double> m_sigma_s, m_sigma_t;
 };
 
 } // namespace am

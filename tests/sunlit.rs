@@ -501,3 +501,97 @@ fn derivatives_are_finite() {
         }
     }
 }
+
+/// A segment in a box, from numbers in [0, 1).
+fn in_box<R: Real>(u: &[f64; 12], sigma_t: f64, part: [f64; 2], lift: impl Fn(f64) -> R) -> R {
+    let unit = |v: [f64; 3]| v.map(|x| x / v.iter().map(|x| x * x).sum::<f64>().sqrt());
+    let corner: [f64; 3] = std::array::from_fn(|i| 1.0 + 3.0 * u[i]);
+    let [from, to]: [[f64; 3]; 2] =
+        [3, 6].map(|k| std::array::from_fn(|i| corner[i] * (2.0 * u[k + i] - 1.0)));
+    let sun = unit(std::array::from_fn(|i| u[9 + i] - 0.5));
+    let step: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
+    let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let origin = std::array::from_fn(|i| from[i] + part[0] * step[i]);
+    let fog = SunlitFog::new(
+        AnyProfile::from_values(Kind::Constant, &[]),
+        vec![lift(0.25)],
+        vec![lift(sigma_t)],
+    );
+    let ray = Ray {
+        origin: origin.map(&lift),
+        direction: unit(step).map(&lift),
+    };
+    let bounds = [corner.map(|x| lift(-x)), corner.map(&lift)];
+    let t = lift((part[1] - part[0]) * length);
+    let sun = sun.map(&lift);
+    fog.radiance_in_box(&ray, t, sun, lift(1.0), bounds)
+        .next()
+        .expect("a channel")
+}
+
+/// The definition by the midpoint rule: (1) of `sunlit_box`, side by side.
+#[test]
+fn a_box_is_lit_through_its_sides() {
+    let mut random = fastrand::Rng::with_seed(2026);
+    for _ in 0..200 {
+        let u: [f64; 12] = std::array::from_fn(|_| random.f64());
+        let sigma_t = 10f64.powf(random.f64() * 3.0 - 2.0);
+        let got = in_box(&u, sigma_t, [0.0, 1.0], |x| x);
+        // Short parts, with the light of their middle.
+        const N: usize = 4000;
+        let corner: [f64; 3] = std::array::from_fn(|i| 1.0 + 3.0 * u[i]);
+        let at = |k: usize, i: usize| corner[i] * (2.0 * u[k + i] - 1.0);
+        let step: [f64; 3] = std::array::from_fn(|i| at(6, i) - at(3, i));
+        let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let sun: [f64; 3] = std::array::from_fn(|i| u[9 + i] - 0.5);
+        let norm = sun.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let expected: f64 = (0..N)
+            .map(|k| {
+                let x = (k as f64 + 0.5) / N as f64;
+                let way = (0..3).map(|i| {
+                    let side = corner[i].copysign(sun[i]);
+                    (side - at(3, i) - x * step[i]) / (sun[i] / norm)
+                });
+                let way = way.fold(f64::INFINITY, f64::min);
+                0.25 * (-sigma_t * (x * length + way)).exp() * length / N as f64
+            })
+            .sum();
+        let error = (got / expected - 1.0).abs();
+        assert!(error < 1e-5 * (1.0 + sigma_t), "{got} {expected} {error:e}");
+    }
+}
+
+/// A segment in a box is the sum of its parts, in every arithmetic, and nothing is infinite for a sun
+/// along a side.
+#[test]
+fn parts_of_a_segment_in_a_box_add_up() {
+    fn check<R: Real, L: Fn(f64) -> R, O: Fn(R) -> f64>(a: &Arithmetic<L, O>) {
+        let mut random = fastrand::Rng::with_seed(2027);
+        for case in 0..200 {
+            let mut u: [f64; 12] = std::array::from_fn(|_| random.f64());
+            if case % 4 == 0 {
+                u[9 + case % 3] = 0.5;
+            }
+            let sigma_t = 10f64.powf(random.f64() * 3.0 - 2.0);
+            let of = |part| (a.lower)(in_box(&u, sigma_t, part, &a.lift));
+            let exact = |part| in_box(&u, sigma_t, part, |x| x);
+            let cut = random.f64();
+            let [whole, first, second] = [[0.0, 1.0], [0.0, cut], [cut, 1.0]].map(of);
+            let corner: [f64; 3] = std::array::from_fn(|i| 1.0 + 3.0 * u[i]);
+            let square = |i: usize| (2.0 * corner[i] * (u[6 + i] - u[3 + i])).powi(2);
+            let way = (0..3).map(square).sum::<f64>().sqrt() * cut;
+            let sum = first + second * (-sigma_t * way).exp();
+            let unit = if a.single { 2e-6 } else { 1e-14 };
+            let depth = 1.0 + sigma_t * 20.0;
+            assert!(
+                (sum - whole).abs() <= unit * depth * whole + a.least(),
+                "{}",
+                a.name
+            );
+            let expected = exact([0.0, 1.0]);
+            let error = (whole - expected).abs();
+            assert!(error <= unit * depth * expected + a.least(), "{}", a.name);
+        }
+    }
+    in_every_arithmetic!(check);
+}

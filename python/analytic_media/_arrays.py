@@ -45,6 +45,11 @@ def number(name, value) -> Argument:
     return Argument(name, value, (), _check_finite)
 
 
+def positive(name, value) -> Argument:
+    """Finite numbers above 0."""
+    return Argument(name, value, (), _check_positive)
+
+
 def limit(name, value) -> Argument:
     """Numbers that may be infinite."""
     return Argument(name, value, (), _check_number)
@@ -212,6 +217,10 @@ def _require(good: np.ndarray, name: str, reason: str, values: np.ndarray) -> No
 
 def _check_finite(name, array):
     _require(np.isfinite(array), name, "finite", array)
+
+
+def _check_positive(name, array):
+    _require(np.isfinite(array) & (array > 0), name, "finite and > 0", array)
 
 
 def _check_number(name, array):

@@ -234,6 +234,21 @@ def radiance_with_phase(model: Model, phase, o, d, t0, t1) -> np.ndarray:
     return result
 
 
+def radiance_by(
+    model: Model, method: int, terms: int, arrays: Sequence[np.ndarray], output: np.ndarray
+) -> None:
+    """Air-light by a method of choice, for contiguous origins, directions, t0 and t1 in double
+    precision."""
+
+    def packed(array, stride):
+        return _ffi.new("am_array_f64 *", [_ffi.cast("double *", array.ctypes.data), stride])[0]
+
+    items = [packed(array, stride) for array, stride in zip(arrays, (3, 3, 1, 1), strict=True)]
+    out = _ffi.cast("double *", output.ctypes.data)
+    n = arrays[-1].size
+    _check(_lib.am_airlight_radiance_by(model.pointer, method, terms, n, *items, out))
+
+
 # ---- Arrays ----------------------------------------------------------------------------------
 
 _FORMS = {np.dtype(np.float32): ("f32", "float"), np.dtype(np.float64): ("f64", "double")}

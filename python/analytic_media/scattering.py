@@ -118,14 +118,40 @@ class AirLight:
             describe_light(light, intensity), describe_phase(known), *(p.reshape(-1) for p in pairs)
         )
 
-    def radiance(self, o: ArrayLike, d: ArrayLike, t0: ArrayLike, t1: ArrayLike) -> Result:
+    def radiance(
+        self,
+        o: ArrayLike,
+        d: ArrayLike,
+        t0: ArrayLike,
+        t1: ArrayLike,
+        *,
+        tolerance: ArrayLike | None = None,
+        method: str | None = None,
+        terms: int | None = None,
+    ) -> Result:
         """Radiance towards the point at `t0` of the segment from `t0` to `t1` (Eq. 4).
 
         `o` and `d` are points and unit vectors (..., 3); `t0` is finite, `t1` may be infinite. 0
         where `t1` <= `t0`.
+
+        * `tolerance`: relative error that will do, > 0, (...): saves time, ray by ray
+        * `method` and `terms`, for comparisons, in double precision: "quadrature" with so many
+          points (8, 16, ... 64) for each piece of a ray, or with a series of 1 to 20 terms
+          "closed_form", or as the paper has them "combined", "first" and "second", whose errors
+          are large in many media
         """
         ray = _arrays.point("o", o), _arrays.direction("d", d)
         ends = _arrays.number("t0", t0), _arrays.limit("t1", t1)
+        given = {"tolerance": tolerance, "method": method, "terms": terms}
+        chosen = [name for name, value in given.items() if value is not None]
+        if self._own is not None and chosen:
+            raise ValueError(f"{chosen[0]} must be None for a phase function of your own")
+        if chosen not in ([], ["tolerance"], ["method", "terms"]):
+            raise ValueError(f"give tolerance alone, or method and terms, got {', '.join(chosen)}")
+        if tolerance is not None:
+            return self.estimate(o, d, t0, t1, tolerance)[0]
+        if method is not None:
+            return self._by(method, terms, [*ray, *ends])
         if self._own is None:
             return _arrays.answer(self._model, "radiance", *ray, *ends, width=self._width)
         shape, arrays = _arrays.broadcast([*ray, *ends])
@@ -134,6 +160,34 @@ class AirLight:
         for item in np.ndindex(*shape):
             numbers = [array[item].astype(float) for array in arrays]
             result[item] = _native.radiance_with_phase(self._model, self._own, *numbers)
+        return result.reshape(shape + self._width)[()]
+
+    def estimate(
+        self, o: ArrayLike, d: ArrayLike, t0: ArrayLike, t1: ArrayLike, tolerance: ArrayLike
+    ) -> tuple[Result, Result]:
+        """`radiance` with a `tolerance`, and an estimate of its relative error."""
+        if self._own is not None:
+            raise ValueError("a phase function of your own has no estimate")
+        return _arrays.answer(
+            self._model,
+            "radiance_within",
+            _arrays.point("o", o),
+            _arrays.direction("d", d),
+            _arrays.number("t0", t0),
+            _arrays.limit("t1", t1),
+            _arrays.positive("tolerance", tolerance),
+            outputs=2,
+            width=self._width,
+        )
+
+    def _by(self, method: str, terms: int, arguments: list[_arrays.Argument]) -> Result:
+        known = _native.choices("airlight_method")
+        if method not in known:
+            raise ValueError(f"method must be one of {', '.join(known)}, got {method!r}")
+        shape, arrays = _arrays.broadcast(arguments)
+        double = [np.ascontiguousarray(array, np.float64) for array in arrays]
+        result = np.empty(shape + (self._width or (1,)))
+        _native.radiance_by(self._model, known[method], terms, double, result)
         return result.reshape(shape + self._width)[()]
 
 
@@ -179,6 +233,10 @@ def airlight(
     light: ArrayLike,
     phase: Phase | Callable[[float], float] = ISOTROPIC,
     intensity: Intensity = ISOTROPIC,
+    *,
+    tolerance: float | None = None,
+    method: str | None = None,
+    terms: int | None = None,
 ) -> Result:
     """Radiance of a point light that a uniform medium scatters once (Eq. 4), for many of each.
 
@@ -187,7 +245,8 @@ def airlight(
     * `t0`, `t1`: ends of the segment; `t1` may be infinite
 
     All of these broadcast. `phase` and `intensity` are those of `AirLight`, which serves channels
-    that differ in their coefficients alone at a lower cost.
+    that differ in their coefficients alone at a lower cost; `tolerance`, a number, `method` and
+    `terms` those of `AirLight.radiance`.
     """
     medium = _arrays.number("kappa_s", kappa_s), _arrays.number("kappa_t", kappa_t)
     ray = _arrays.point("o", eye)._replace(name="eye"), _arrays.direction("direction", direction)
@@ -203,5 +262,5 @@ def airlight(
         model = AirLight(position, s, t, phase, intensity)
         here = np.flatnonzero(which.reshape(-1) == number)
         rays = (a[here] for a in (eyes, directions, starts, stops))
-        result[here] = model.radiance(*rays)
+        result[here] = model.radiance(*rays, tolerance=tolerance, method=method, terms=terms)
     return result.reshape(shape)[()]

@@ -21,6 +21,7 @@ def sunlit_fog(
     t: ArrayLike,
     sun_direction: ArrayLike,
     phase: Phase = 1 / (4 * math.pi),
+    bounds: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Result:
     """Radiance of a fog in the sun, per unit of irradiance perpendicular to the light, 1/sr.
 
@@ -35,8 +36,11 @@ def sunlit_fog(
     * `phase`: the value of the phase function, 1/sr, (...), or a function of the cosine of the
       scattering angle, which is 1 where `direction` is `sun_direction`; isotropic unless given
 
+    * `bounds`: two corners (..., 3) of a box that a constant fog fills; it holds the segment, and
+      light enters through its sides
+
     In an exponential fog the light comes from beyond it, and is 0 from a sun at the horizon or
-    below it. A constant fog has no end: there the irradiance is that at `eye`.
+    below it. A constant fog has no end unless it has `bounds`: the irradiance is that at `eye`.
     `docs/airlight.md` has the formulas.
 
         fog = am.Exponential(scale_height=20)
@@ -53,16 +57,18 @@ def sunlit_fog(
         )
     model = _native.sunlit_fog(profile._model, scattering.reshape(-1), attenuation.reshape(-1))
     value = phase(_cosine(direction, sun_direction)) if callable(phase) else phase
-    return _arrays.answer(
-        model,
-        "radiance",
+    length = _arrays.amount("t", t) if bounds is None else _arrays.number("t", t)
+    arguments = [
         _arrays.point("eye", eye),
         _arrays.direction("direction", direction),
-        _arrays.amount("t", t),
+        length,
         _arrays.direction("sun_direction", sun_direction),
         _arrays.number("phase", value),
-        width=attenuation.shape,
-    )
+    ]
+    if bounds is None:
+        return _arrays.answer(model, "radiance", *arguments, width=attenuation.shape)
+    arguments += [_arrays.point("bounds", corner) for corner in bounds]
+    return _arrays.answer(model, "radiance_in_box", *arguments, width=attenuation.shape)
 
 
 def _cosine(a: ArrayLike, b: ArrayLike) -> np.ndarray:

@@ -7,6 +7,7 @@
 //! Rayleigh and lobes, ±i (1 − g)/(1 + g) for Henyey–Greenstein.
 
 use super::AirLight;
+use super::estimate::{Estimate, relative};
 use super::frame::{Frame, Point};
 use super::jet::Jet;
 use super::light::Intensity;
@@ -34,26 +35,79 @@ pub fn radiance<R: Real, const N: usize>(
     t0: R,
     t1: R,
 ) -> Vec<R> {
-    let frame = Frame::new(ray, &air.light);
-    let mut sums = vec![t0.lit(0.0); air.sigma_t.len()];
-    pieces(
-        &frame,
-        &air.light.intensity,
-        t0,
-        t1,
-        |sign, ends, length, before| {
-            let sign = t0.lit(sign);
-            let nothing = (t0.lit(0.0), f64::from(u16::MAX));
-            let piece = Piece::new(&frame, sign, ends, length, before, nothing);
-            let series = series::<R, N>(air, &frame, &piece, expansion);
-            for (sum, sigma) in sums.iter_mut().zip(&air.sigma_t) {
-                *sum = *sum + integral(&frame, &piece, *sigma, &series);
-            }
-        },
-    );
-    let scatter = |(sum, sigma): (R, &R)| sum * *sigma;
-    sums.into_iter().zip(&air.sigma_s).map(scatter).collect()
+    radiance_of::<R, N>(air, expansion, ray, t0, t1, N)
 }
+
+/// The same by the first `terms` of `N` terms.
+pub fn radiance_of<R: Real, const N: usize>(
+    air: &AirLight<R>,
+    expansion: Expansion,
+    ray: &Ray<R>,
+    t0: R,
+    t1: R,
+    terms: usize,
+) -> Vec<R> {
+    let frame = Frame::new(ray, &air.light);
+    let pieces = whole_pieces(air, &frame, t0, t1);
+    by_pieces::<R, N>(air, expansion, &frame, &pieces, terms)
+}
+
+fn by_pieces<R: Real, const N: usize>(
+    air: &AirLight<R>,
+    expansion: Expansion,
+    frame: &Frame<R>,
+    pieces: &[Piece<R>],
+    terms: usize,
+) -> Vec<R> {
+    let mut sums = vec![frame.height.lit(0.0); air.sigma_t.len()];
+    for piece in pieces {
+        let point = expansion.point(frame, piece);
+        let jet: Jet<R, N> = jet(air, frame, piece.sign, point);
+        let series = jet.first(terms).about_zero(point);
+        for (sum, sigma) in sums.iter_mut().zip(&air.sigma_t) {
+            *sum = *sum + Integrals::new(frame, piece, *sigma).of(&series);
+        }
+    }
+    air.scattered(sums)
+}
+
+/// [`radiance`], and an estimate of its relative error: four times what the last two terms
+/// contribute, and what rounding leaves of all terms.
+pub fn estimate<R: Real, const N: usize>(
+    air: &AirLight<R>,
+    ray: &Ray<R>,
+    t0: R,
+    t1: R,
+) -> Estimate<R> {
+    let frame = Frame::new(ray, &air.light);
+    let zero = t0.lit(0.0);
+    let mut sums = vec![[zero; 2]; air.sigma_t.len()];
+    for piece in whole_pieces(air, &frame, t0, t1) {
+        let point = Expansion::Midpoint.point(&frame, &piece);
+        let jet: Jet<R, N> = jet(air, &frame, piece.sign, point);
+        let (all, but_two) = (jet.about_zero(point), jet.first(N - 2).about_zero(point));
+        for ([sum, error], sigma) in sums.iter_mut().zip(&air.sigma_t) {
+            let integrals = Integrals::new(&frame, &piece, *sigma);
+            let value = integrals.of(&all);
+            let last = (value - integrals.of(&but_two)).abs();
+            let rounding = zero.lit(EXACT) * integrals.of(&all.map(R::abs)).abs();
+            *sum = *sum + value;
+            *error = *error + zero.lit(SAFETY) * last + rounding;
+        }
+    }
+    let error = sums.iter().map(|[s, e]| relative(*e, *s)).collect();
+    Estimate {
+        radiance: air.scattered(sums.into_iter().map(|[sum, _]| sum).collect()),
+        error,
+        points: 0,
+    }
+}
+
+/// What the series leaves over its last two terms: their ratio is below 0.9 then.
+const SAFETY: f64 = 4.0;
+
+/// Relative error where there is no series to end.
+pub(crate) const EXACT: f64 = 1e-11;
 
 /// w-length of the shortest piece that [`isotropic`] takes: the difference of two functions of order 1
 /// keeps 1e-12 then.
@@ -72,20 +126,26 @@ pub(crate) fn isotropic<R: Real>(air: &AirLight<R>, ray: &Ray<R>, t0: R, t1: R) 
     let zero = t0.lit(0.0);
     let frame = Frame::new(ray, &air.light);
     let thinnest = air.sigma_t.iter().copied().reduce(R::min)?;
-    let mut good = zero.lit(1e-12).lt(thinnest * frame.height);
-    pieces(
-        &frame,
-        &air.light.intensity,
-        t0,
-        t1,
-        |sign, ends, length, before| {
-            let whole = (zero, f64::from(u16::MAX));
-            let piece = Piece::new(&frame, zero.lit(sign), ends, length, before, whole);
-            let long = zero.lit(SHORTEST).lt(frame.height * piece.range);
-            good = good & (length.le(zero) | long);
-        },
-    );
-    (good.uniform() == Some(true)).then(|| radiance::<R, 1>(air, Expansion::Fixed, ray, t0, t1))
+    let thick = zero.lit(1e-12).lt(thinnest * frame.height);
+    let pieces = whole_pieces(air, &frame, t0, t1);
+    let good = pieces.iter().fold(thick, |good, piece| {
+        let length = frame.height * piece.range;
+        good & (length.le(zero) | zero.lit(SHORTEST).lt(length))
+    });
+    let sum = || by_pieces::<R, 1>(air, Expansion::Fixed, &frame, &pieces, 1);
+    (good.uniform() == Some(true)).then(sum)
+}
+
+/// The pieces of a segment, none of them cut short.
+fn whole_pieces<R: Real>(air: &AirLight<R>, frame: &Frame<R>, t0: R, t1: R) -> Vec<Piece<R>> {
+    let whole = (t0.lit(0.0), f64::from(u16::MAX));
+    let mut found = Vec::new();
+    let intensity = &air.light.intensity;
+    pieces(frame, intensity, t0, t1, |sign, ends, length, before| {
+        let sign = t0.lit(sign);
+        found.push(Piece::new(frame, sign, ends, length, before, whole));
+    });
+    found
 }
 
 /// Both ends of a piece in w = hq.
@@ -96,46 +156,62 @@ fn ends<R: Real>(frame: &Frame<R>, piece: &Piece<R>) -> (R, R) {
     (frame.height * a, frame.height * b)
 }
 
-/// Coefficients of the powers of w.
-fn series<R: Real, const N: usize>(
-    air: &AirLight<R>,
-    frame: &Frame<R>,
-    piece: &Piece<R>,
-    expansion: Expansion,
-) -> [R; N] {
-    let (a, b) = ends(frame, piece);
-    let half = a.lit(0.5);
-    let point = match expansion {
-        Expansion::Fixed => half,
-        Expansion::Midpoint => half * (a + b),
-    };
-    let lift = Jet::constant;
-    let (w, sign) = (Jet::variable(point), lift(piece.sign));
-    let frame = frame.map(lift);
-    let at = Point::new(sign, w / frame.height, frame.height);
-    let value = air.light.intensity.map(lift).value(&frame.toward(&at))
-        * air.phase.map(lift).value(at.deflection());
-    value.about_zero(point)
+impl Expansion {
+    fn point<R: Real>(self, frame: &Frame<R>, piece: &Piece<R>) -> R {
+        let (a, b) = ends(frame, piece);
+        let half = a.lit(0.5);
+        match self {
+            Expansion::Fixed => half,
+            Expansion::Midpoint => half * (a + b),
+        }
+    }
 }
 
-/// ∫ e^(−κ_t (path)) polynomial 2/(1 + w²) dw/h over the piece.
-fn integral<R: Real, const N: usize>(
+/// Phase function times intensity as a series of w about `point`.
+pub(crate) fn jet<R: Real, const N: usize>(
+    air: &AirLight<R>,
     frame: &Frame<R>,
-    piece: &Piece<R>,
-    sigma_t: R,
-    series: &[R; N],
-) -> R {
-    let (a, b) = ends(frame, piece);
-    let optical = sigma_t * frame.height;
-    let before = piece.sign.lt(piece.sign.lit(0.0));
-    let sum = |moments: [R; N]| {
-        let terms = series.iter().zip(moments);
-        terms.fold(a.lit(0.0), |sum, (c, m)| c.mul_add(m, sum))
-    };
-    let sum = crate::real::either(
-        before,
-        || sum(moments::before(optical, a, b)),
-        || sum(moments::beyond(optical, a, b)),
-    );
-    a.lit(2.0) * (-sigma_t * piece.path).exp() * sum / frame.height
+    sign: R,
+    point: R,
+) -> Jet<R, N> {
+    let lift = Jet::constant;
+    let frame = frame.map(lift);
+    let q = Jet::variable(point) / frame.height;
+    let at = Point::new(lift(sign), q, frame.height);
+    air.light.intensity.map(lift).value(&frame.toward(&at))
+        * air.phase.map(lift).value(at.deflection())
+}
+
+/// ∫ e^(−κ_t (path)) wⁿ 2/(1 + w²) dw/h over a piece.
+struct Integrals<R, const N: usize> {
+    moments: [R; N],
+    scale: R,
+}
+
+impl<R: Real, const N: usize> Integrals<R, N> {
+    fn new(frame: &Frame<R>, piece: &Piece<R>, sigma_t: R) -> Self {
+        let (a, b) = ends(frame, piece);
+        let optical = sigma_t * frame.height;
+        let before = piece.sign.lt(piece.sign.lit(0.0));
+        let moments = match before.uniform() {
+            Some(true) => moments::before(optical, a, b),
+            Some(false) => moments::beyond(optical, a, b),
+            None => {
+                let sides: [[R; N]; 2] = [
+                    moments::before(optical, a, b),
+                    moments::beyond(optical, a, b),
+                ];
+                std::array::from_fn(|n| R::select(before, sides[0][n], sides[1][n]))
+            }
+        };
+        let scale = a.lit(2.0) * (-sigma_t * piece.path).exp() / frame.height;
+        Self { moments, scale }
+    }
+
+    /// Of the polynomial with these coefficients.
+    fn of(&self, coefficients: &[R; N]) -> R {
+        let terms = coefficients.iter().zip(self.moments);
+        let zero = self.scale.lit(0.0);
+        self.scale * terms.fold(zero, |sum, (c, m)| c.mul_add(m, sum))
+    }
 }

@@ -29,6 +29,14 @@ impl<R: Real, const N: usize> Jet<R, N> {
         jet
     }
 
+    /// The first `terms` coefficients, and zeros.
+    #[must_use]
+    pub fn first(mut self, terms: usize) -> Self {
+        let zero = self.zero();
+        self.0.iter_mut().skip(terms).for_each(|c| *c = zero);
+        self
+    }
+
     /// Coefficients of the powers of x, where these are of the powers of x − `point` (Eq. 42).
     #[must_use]
     pub fn about_zero(self, point: R) -> [R; N] {

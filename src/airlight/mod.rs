@@ -17,19 +17,23 @@
 //!
 //! Map: [`phase`], [`light`] ← [`frame`] (ray and light) ← [`piece`] (the variable of integration) ←
 //! [`quadrature`], which [`AirLight::radiance`] is, and [`closed_form`] with its [`jet`] and
-//! [`moments`]. `docs/airlight.md` says why. [`sunlit`] is directional light, which
-//! needs none of them.
+//! [`moments`]. `docs/airlight.md` says why. [`estimate`] chooses among them for a tolerance;
+//! [`published`] has the paper's formulas as they are printed, for comparison. [`sunlit`] is directional
+//! light, which needs none of them.
 
 pub mod closed_form;
+pub mod estimate;
 pub mod frame;
 pub mod jet;
 pub mod light;
 pub mod moments;
 pub mod phase;
 pub mod piece;
+pub mod published;
 pub mod quadrature;
 mod segment;
 pub mod sunlit;
+pub mod sunlit_box;
 
 use crate::geometry::Ray;
 use crate::real::Real;
@@ -61,5 +65,15 @@ impl<R: Real> AirLight<R> {
     pub fn radiance(&self, ray: &Ray<R>, t0: R, t1: R) -> Vec<R> {
         closed_form::isotropic(self, ray, t0, t1)
             .unwrap_or_else(|| quadrature::radiance(self, &self.phase, ray, t0, t1))
+    }
+
+    /// L from the integrals of every channel.
+    fn scattered(&self, integrals: Vec<R>) -> Vec<R> {
+        let scatter = |(integral, sigma): (R, &R)| integral * *sigma;
+        integrals
+            .into_iter()
+            .zip(&self.sigma_s)
+            .map(scatter)
+            .collect()
     }
 }

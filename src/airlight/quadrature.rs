@@ -22,14 +22,18 @@ use crate::special::rel::psi;
 const CHUNK: usize = 8;
 
 /// What all pieces have in common.
-struct Integral<'a, R, P> {
+pub(crate) struct Integral<'a, R, P> {
     air: &'a AirLight<R>,
     phase: &'a P,
     frame: Frame<R>,
     points: usize,
     /// The least σ_t, 1/length.
     sigma_t: R,
-    sums: Vec<R>,
+}
+
+/// Points on each side of the foot and of each edge of the light that serve all of the table.
+pub(crate) fn usual_points<R: Real>(like: R) -> usize {
+    if like.digits() <= 24 { 24 } else { 48 }
 }
 
 /// [`AirLight::radiance`] with the phase function `phase` in place of its own.
@@ -40,8 +44,7 @@ pub fn radiance<R: Real, P: PhaseFunction<R>>(
     t0: R,
     t1: R,
 ) -> Vec<R> {
-    let points = if t0.digits() <= 24 { 24 } else { 48 };
-    radiance_by(air, phase, ray, t0, t1, points)
+    radiance_by(air, phase, ray, t0, t1, usual_points(t0))
 }
 
 /// The same with `points` on each side of the foot and of each edge of the light, a multiple of 8.
@@ -53,31 +56,44 @@ pub fn radiance_by<R: Real, P: PhaseFunction<R>>(
     t1: R,
     points: usize,
 ) -> Vec<R> {
-    let zero = t0.lit(0.0);
-    let frame = Frame::new(ray, &air.light);
-    let first_sigma = *air.sigma_t.first().expect("there is a channel");
-    let mut integral = Integral {
-        air,
-        phase,
-        frame,
-        points,
-        sigma_t: air.sigma_t.iter().fold(first_sigma, |a, b| a.min(*b)),
-        sums: vec![zero; air.sigma_t.len()],
-    };
-    let intensity = air.light.intensity;
-    pieces(&frame, &intensity, t0, t1, |sign, ends, length, before| {
-        integral.piece(zero.lit(sign), ends, length, before);
+    let integral = Integral::new(air, phase, ray, points);
+    let mut totals = vec![t0.lit(0.0); air.sigma_t.len()];
+    integral.pieces(t0, t1, |piece| {
+        let mut sums = vec![t0.lit(0.0); totals.len()];
+        let length = integral.terms(piece, |channel, _, terms| {
+            let sum = &mut sums[channel];
+            *sum = terms.iter().fold(*sum, |sum, (a, b)| a.mul_add(*b, sum));
+        });
+        for (total, sum) in totals.iter_mut().zip(sums) {
+            *total = *total + length * sum;
+        }
     });
-    let scatter = |(sum, sigma): (R, &R)| sum * *sigma;
-    integral
-        .sums
-        .into_iter()
-        .zip(&air.sigma_s)
-        .map(scatter)
-        .collect()
+    air.scattered(totals)
 }
 
-impl<R: Real, P: PhaseFunction<R>> Integral<'_, R, P> {
+impl<'a, R: Real, P: PhaseFunction<R>> Integral<'a, R, P> {
+    /// By `points` for each piece.
+    pub fn new(air: &'a AirLight<R>, phase: &'a P, ray: &Ray<R>, points: usize) -> Self {
+        let first_sigma = *air.sigma_t.first().expect("there is a channel");
+        Self {
+            air,
+            phase,
+            frame: Frame::new(ray, &air.light),
+            points,
+            sigma_t: air.sigma_t.iter().fold(first_sigma, |a, b| a.min(*b)),
+        }
+    }
+
+    /// Calls `add` for each piece of the segment from `t0` to `t1`.
+    pub fn pieces(&self, t0: R, t1: R, mut add: impl FnMut(&Piece<R>)) {
+        let cut = (self.sigma_t, self.depth());
+        let intensity = &self.air.light.intensity;
+        pieces(&self.frame, intensity, t0, t1, |sign, ends, length, way| {
+            let sign = t0.lit(sign);
+            add(&Piece::new(&self.frame, sign, ends, length, way, cut));
+        });
+    }
+
     /// Optical depth beyond which nothing counts, even where a light begins with cosᵖ.
     fn depth(&self) -> f64 {
         let exponent = f64::from(self.air.light.intensity.exponent());
@@ -89,45 +105,41 @@ impl<R: Real, P: PhaseFunction<R>> Integral<'_, R, P> {
         rounding + 1.5 * exponent
     }
 
-    /// Adds one piece.
-    fn piece(&mut self, sign: R, ends: [R; 2], length: R, before: R) {
-        let frame = self.frame;
-        let cut = (self.sigma_t, self.depth());
-        let piece = Piece::new(&frame, sign, ends, length, before, cut);
-        let stretch = Stretch::new(&piece, self.scale(&piece));
-        let mut sums = vec![sign.lit(0.0); self.sums.len()];
-        for chunk in rule(self.points).chunks_exact(CHUNK) {
-            let chunk: &[(f64, f64); CHUNK] = chunk.try_into().expect("a multiple of 8 points");
-            self.chunk(&piece, &stretch, chunk, &mut sums);
+    /// Calls `add(channel, k, terms)` for the points k, k + 1, … of the rule, 8 at a time: pairs whose
+    /// products are the terms of its sum. Returns what the sum has to be multiplied with.
+    pub fn terms(&self, piece: &Piece<R>, mut add: impl FnMut(usize, usize, [(R, R); CHUNK])) -> R {
+        let stretch = Stretch::new(piece, self.scale(piece));
+        for (chunk, rule) in rule(self.points).chunks_exact(CHUNK).enumerate() {
+            let rule: &[(f64, f64); CHUNK] = rule.try_into().expect("a multiple of 8 points");
+            let nodes = self.nodes(piece, &stretch, rule);
+            for (channel, sigma) in self.air.sigma_t.iter().enumerate() {
+                let decay = R::exp_each(nodes.map(|(_, path)| -*sigma * path));
+                let term = |k: usize| (nodes[k].0, decay[k]);
+                add(channel, chunk * CHUNK, std::array::from_fn(term));
+            }
         }
-        for (total, sum) in self.sums.iter_mut().zip(sums) {
-            *total = *total + stretch.length * sum;
-        }
+        stretch.length
     }
 
-    fn chunk(
+    /// Weight times phase function and intensity, and the way that light has come.
+    fn nodes(
         &self,
         piece: &Piece<R>,
         stretch: &Stretch<R>,
         rule: &[(f64, f64); CHUNK],
-        sums: &mut [R],
-    ) {
+    ) -> [(R, R); CHUNK] {
         let frame = &self.frame;
         let height = frame.height;
         let zero = height.lit(0.0);
         let exp = R::exp_each(rule.map(|(x, _)| stretch.length * zero.lit(x)));
-        let nodes: [(R, R); CHUNK] = std::array::from_fn(|k| {
+        std::array::from_fn(|k| {
             let (step, q, slope) = stretch.at(exp[k]);
             let point = Point::new(piece.sign, q, height);
             let value = self.air.light.intensity.value(&frame.toward(&point))
                 * self.phase.value(point.deflection());
             let weight = zero.lit(2.0 * rule[k].1) * slope * point.norm;
             (weight * value, piece.path + piece.growth(frame, step, q))
-        });
-        for (sum, sigma) in sums.iter_mut().zip(&self.air.sigma_t) {
-            let decay = R::exp_each(nodes.map(|(_, path)| -*sigma * path));
-            *sum = (0..CHUNK).fold(*sum, |sum, k| nodes[k].0.mul_add(decay[k], sum));
-        }
+        })
     }
 
     /// b: the least q at which something happens, 1/length.
@@ -184,58 +196,5 @@ impl<R: Real> Stretch<R> {
         let grown = self.least.mul_add(rise, self.cosh * sinh);
         let slope = self.least.mul_add(sinh, self.cosh * (one + rise));
         (self.offset + grown, self.least + grown, slope)
-    }
-}
-
-/// A radiance, and what it cost.
-#[derive(Clone, Debug)]
-pub struct Estimate<R> {
-    /// As [`AirLight::radiance`].
-    pub radiance: Vec<R>,
-    /// Difference from the next smaller rule, the largest of all channels, relative.
-    pub error: R,
-    /// Points of each piece.
-    pub points: usize,
-}
-
-/// The rules that [`radiance_within`] tries.
-const RULES: [usize; 6] = [8, 16, 24, 32, 48, 64];
-
-/// [`AirLight::radiance`] by the smallest rule whose difference from the one before is at most
-/// `tolerance`, relative; by 64 points if none is.
-///
-/// For numbers that formulas may branch on: not for lanes or recorded nodes.
-pub fn radiance_within<R: Real<Mask = bool>>(
-    air: &AirLight<R>,
-    ray: &Ray<R>,
-    t0: R,
-    t1: R,
-    tolerance: R,
-) -> Estimate<R> {
-    let by = |points| radiance_by(air, &air.phase, ray, t0, t1, points);
-    let zero = t0.lit(0.0);
-    let mut radiance = by(RULES[0]);
-    let mut error = zero;
-    for points in RULES.into_iter().skip(1) {
-        let better = by(points);
-        let differences = better.iter().zip(&radiance).map(|(b, r)| {
-            let difference = (*b - *r).abs();
-            R::select(difference.le(zero), zero, difference / b.abs())
-        });
-        error = differences.fold(zero, R::max);
-        radiance = better;
-        if error.le(tolerance) {
-            return Estimate {
-                radiance,
-                error,
-                points,
-            };
-        }
-    }
-    let points = RULES[RULES.len() - 1];
-    Estimate {
-        radiance,
-        error,
-        points,
     }
 }

@@ -24,7 +24,7 @@
 //!
 //! Light comes through an exponential fog from beyond it, where its irradiance is E. A constant
 //! fog has no end to come from: there E is the irradiance *at the eye*, and surfaces of equal
-//! irradiance are perpendicular to the light.
+//! irradiance are perpendicular to the light. One that fills a box has: [`super::sunlit_box`].
 //!
 //! Relative error below 1e-15 (1 + σ_t m + |h|/H) in f64, 5e-7 (1 + σ_t m + |h|/H) in f32: what
 //! rounding does to the exponents. `tests/sunlit.rs` asserts it.
@@ -45,9 +45,9 @@ use crate::special::rel::phi;
 pub struct SunlitFog<R> {
     profile: AnyProfile<R>,
     /// σ_s per channel, 1/length, ≥ 0.
-    sigma_s: Vec<R>,
+    pub(super) sigma_s: Vec<R>,
     /// σ_t per channel, 1/length, ≥ 0.
-    sigma_t: Vec<R>,
+    pub(super) sigma_t: Vec<R>,
 }
 
 /// Columns of a segment and the light on it: all that the channels share.

@@ -47,3 +47,22 @@ pub fn count(n: usize, name: &str) -> Result<(), Failure> {
     let message = format!("{name} must be >= 1, got 0");
     Err(Failure::new(AmStatus::InvalidArgument, message))
 }
+
+/// Scattering and extinction coefficients, one of each per channel; there is at least one channel.
+///
+/// # Safety
+/// Pointers are null or point to `n_channels` items that live as long as `'a`.
+pub unsafe fn coefficients<'a, T>(
+    sigma_s: *const T,
+    sigma_t: *const T,
+    n_channels: usize,
+) -> Result<[&'a [T]; 2], Failure> {
+    count(n_channels, "n_channels")?;
+    // SAFETY: promised by the caller.
+    unsafe {
+        Ok([
+            slice(sigma_s, n_channels, "sigma_s")?,
+            slice(sigma_t, n_channels, "sigma_t")?,
+        ])
+    }
+}

@@ -239,6 +239,7 @@ macro_rules! queries {
 
     (@eval |$model:ident : $In:ident $(, $arg:ident : $kind:ident)*| $results:ident => $body:block) => {
         #[inline(always)]
+        #[allow(clippy::too_many_arguments, reason = "as many as the question has")]
         fn eval<R: Real>(
             $model: &$In<R>,
             $($arg: argument_type!(real R $kind),)*

@@ -9,8 +9,9 @@ use super::{
     describe, guard,
 };
 use crate::airlight::sunlit::{self, SunlitFog};
-use crate::error;
+use crate::error::{self, Error};
 use crate::geometry::Ray;
+use crate::profile::Kind;
 use crate::real::Real;
 use crate::real::lanes::{F32Lanes, F64Lanes, Lanes};
 use crate::real::node::Node;
@@ -53,20 +54,14 @@ unsafe fn parts<'a, T>(
     sigma_s: *const T,
     sigma_t: *const T,
     n_channels: usize,
-) -> Result<(&'a [T], &'a [T]), Failure> {
+) -> Result<[&'a [T]; 2], Failure> {
     sunlit::check_kind(describe::known(kind)?)?;
-    arg::count(n_channels, "n_channels")?;
     // SAFETY: promised by the caller.
-    unsafe {
-        Ok((
-            arg::slice(sigma_s, n_channels, "sigma_s")?,
-            arg::slice(sigma_t, n_channels, "sigma_t")?,
-        ))
-    }
+    unsafe { arg::coefficients(sigma_s, sigma_t, n_channels) }
 }
 
 impl AmSunlitFog {
-    fn parts(&self) -> Result<(&[f64], &[f64]), Failure> {
+    fn parts(&self) -> Result<[&[f64]; 2], Failure> {
         // SAFETY: promised by the caller who made the struct.
         unsafe {
             parts(
@@ -87,7 +82,7 @@ impl Model for AmSunlitFog {
     }
 
     fn lift<R: Real>(&self, lift: impl Fn(f64) -> R) -> SunlitFog<R> {
-        let (sigma_s, sigma_t) = self.parts().ok().expect("the fog has been checked");
+        let [sigma_s, sigma_t] = self.parts().ok().expect("the fog has been checked");
         let channels = |sigma: &[f64]| sigma.iter().map(|s| lift(*s)).collect();
         SunlitFog::new(
             self.profile.lift(&lift),
@@ -103,7 +98,7 @@ impl RecordedModel for AmSunlitFogNodes {
     unsafe fn nodes<'h>(&self, host: &'h AmHostTable) -> Result<SunlitFog<Node<'h>>, Failure> {
         let (kind, n) = (self.profile.kind, self.n_channels);
         // SAFETY: promised by the caller.
-        let (sigma_s, sigma_t) = unsafe { parts(kind, self.sigma_s, self.sigma_t, n) }?;
+        let [sigma_s, sigma_t] = unsafe { parts(kind, self.sigma_s, self.sigma_t, n) }?;
         let channels = |slots: &[AmNode]| slots.iter().map(|s| Node::new(host, *s)).collect();
         let profile = self.profile.lift(host)?;
         Ok(SunlitFog::new(
@@ -111,6 +106,13 @@ impl RecordedModel for AmSunlitFogNodes {
             channels(sigma_s),
             channels(sigma_t),
         ))
+    }
+}
+
+fn require_constant(kind: u32) -> Result<(), Failure> {
+    match describe::known(kind)? {
+        Kind::Constant => Ok(()),
+        kind => Err(Error::new("profile", "must be constant in a box", kind.name()).into()),
     }
 }
 
@@ -124,7 +126,7 @@ pub unsafe extern "C" fn am_sunlit_fog_check(fog: *const AmSunlitFog) -> AmStatu
     guard(|| {
         // SAFETY: promised by the caller.
         let fog = unsafe { arg::reference(fog, "fog") }?;
-        let (sigma_s, sigma_t) = fog.parts()?;
+        let [sigma_s, sigma_t] = fog.parts()?;
         fog.profile.check()?;
         for (name, sigmas) in [("sigma_s", sigma_s), ("sigma_t", sigma_t)] {
             for sigma in sigmas {
@@ -162,5 +164,25 @@ queries! { AmSunlitFog, AmSunlitFogNodes;
         phase: number| -> (radiance)
     [] results => {
         results.extend(fog.radiance(&Ray { origin, direction }, t, sun_direction, phase));
+    }
+
+    /// `am_sunlit_fog_radiance_f64` of a constant fog that fills a box and nothing else: the
+    /// irradiance is that of a surface outside of it. The segment, 0 ≤ `t` < ∞, is in the box, whose
+    /// corners are `box_min` < `box_max`.
+    ///
+    /// Relative error below 1e-14 (1 + τ), in single precision 2e-6 (1 + τ), where τ is the greatest
+    /// optical depth of a way through the box.
+    /// Source: docs/airlight.md.
+    ///
+    /// # Safety
+    /// As for `am_sunlit_fog_radiance_f64`; corners are three numbers.
+    am_sunlit_fog_radiance_in_box_f64 am_sunlit_fog_radiance_in_box_f32
+    am_sunlit_fog_radiance_in_box_batch_f64 am_sunlit_fog_radiance_in_box_batch_f32
+    am_sunlit_fog_radiance_in_box_record
+    |fog: SunlitFog, origin: point, direction: point, t: number, sun_direction: point,
+        phase: number, box_min: point, box_max: point| -> (radiance)
+    [require_constant(fog.profile.kind)?;] results => {
+        let (ray, bounds) = (Ray { origin, direction }, [box_min, box_max]);
+        results.extend(fog.radiance_in_box(&ray, t, sun_direction, phase, bounds));
     }
 }

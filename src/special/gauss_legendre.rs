@@ -90,6 +90,19 @@ pub fn rule(points: usize) -> &'static [(f64, f64)] {
     RULES[points].get_or_init(|| (0..points).map(|k| point(points, k)).collect())
 }
 
+/// √(2j + 1) P_j at the points of `rule(points)` for the four highest degrees j < `points`, the
+/// highest first: orthonormal on [0, 1]. Sums of the rule with them are coefficients of the integrand.
+pub fn highest(points: usize) -> &'static [[f64; 4]] {
+    static VALUES: [OnceLock<Vec<[f64; 4]>>; 65] = [const { OnceLock::new() }; 65];
+    let at = |x: f64| {
+        std::array::from_fn(|i| {
+            let degree = points - 1 - i;
+            (2.0 * degree as f64 + 1.0).sqrt() * legendre(degree, 2.0 * x - 1.0).0
+        })
+    };
+    VALUES[points].get_or_init(|| rule(points).iter().map(|(x, _)| at(*x)).collect())
+}
+
 /// Number k of n points on [0, 1], and its weight.
 fn point(n: usize, k: usize) -> (f64, f64) {
     let mut x = -(PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();

@@ -89,6 +89,39 @@ static double rayleigh(double cosine, void *data) {
     return *(const double *) data * (1 + cosine * cosine);
 }
 
+/* A tolerance, and a method of choice. */
+static void choices(void) {
+    static const am_array_f64 origins = { origin, 0 }, directions = { direction, 0 };
+    static const am_array_f64 starts = { &t0, 0 }, ends = { &t1, 0 };
+    static const double loose = 1e-3;
+    static const am_array_f64 tolerances = { &loose, 0 };
+    am_airlight other = lamp;
+    double a[6], error[6];
+    int i;
+    other.phase.kind = AM_PHASE_KIND_HENYEY_GREENSTEIN;
+    other.phase.g = 0;
+    CHECK_OK(am_airlight_radiance_within_f64(&other, origin, direction, t0, t1, loose, a, error));
+    for (i = 0; i < 2; ++i) {
+        CHECK_NEAR(a[i], expected[i], 1e-3);
+        CHECK(error[i] >= 0 && error[i] <= loose);
+    }
+    CHECK_OK(am_airlight_radiance_within_batch_f64(&other, 3, origins, directions, starts, ends,
+                                                   tolerances, a, error));
+    for (i = 0; i < 6; ++i) {
+        CHECK_NEAR(a[i], expected[i % 2], 1e-3);
+        CHECK(error[i] >= 0 && error[i] <= loose);
+    }
+    CHECK_OK(am_airlight_radiance_by(&other, AM_AIRLIGHT_METHOD_QUADRATURE, 24, 3, origins,
+                                     directions, starts, ends, a));
+    for (i = 0; i < 6; ++i)
+        CHECK_NEAR(a[i], expected[i % 2], 1e-12);
+    CHECK_FAILS(am_airlight_radiance_by(&other, 7, 24, 3, origins, directions, starts, ends, a),
+                AM_STATUS_INVALID_ARGUMENT, "method must be one of am_airlight_method, got 7");
+    CHECK_FAILS(am_airlight_radiance_by(&other, AM_AIRLIGHT_METHOD_FIRST, 0, 3, origins, directions,
+                                        starts, ends, a),
+                AM_STATUS_INVALID_ARGUMENT, "terms must be in [1, 20], got 0");
+}
+
 /* The caller's own phase function. */
 static void own_phase(void) {
     am_airlight other = lamp;
@@ -194,6 +227,7 @@ int main(void) {
     forms();
     lights();
     phases();
+    choices();
     own_phase();
     recorded();
     mistakes();

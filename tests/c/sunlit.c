@@ -44,6 +44,40 @@ static void numbers(void) {
     }
 }
 
+/* A box without extinction is as bright as it is deep; one with it, seen along the way of the
+ * light, as if all of it came from where it enters. */
+static void in_a_box(void) {
+    static const double clear[1] = { 0 }, scattering[1] = { 0.25 }, dense[1] = { 0.5 };
+    static const double low[3] = { -1, -1, -1 }, high[3] = { 1, 1, 3 }, ahead = 2;
+    static const float low_f32[3] = { -1, -1, -1 }, high_f32[3] = { 1, 1, 3 };
+    am_sunlit_fog box = { { 0, { 0 } }, scattering, clear, 1 };
+    const am_array_f64 o = { origin, 0 }, u = { up, 0 }, ts = { &ahead, 0 }, p = { &phase, 0 },
+                       lows = { low, 0 }, highs = { high, 0 };
+    const am_array_f32 o_f32 = { origin_f32, 0 }, u_f32 = { up_f32, 0 }, p_f32 = { &phase_f32, 0 },
+                       lows_f32 = { low_f32, 0 }, highs_f32 = { high_f32, 0 };
+    static const float ahead_f32 = 2;
+    const am_array_f32 ts_f32 = { &ahead_f32, 0 };
+    double a[N];
+    float b[N];
+    int i;
+    CHECK_OK(am_sunlit_fog_radiance_in_box_f64(&box, origin, up, ahead, up, phase, low, high, a));
+    CHECK_NEAR(a[0], 0.25 * 0.5 * 2, 1e-15);
+    box.sigma_t = dense;
+    CHECK_OK(am_sunlit_fog_radiance_in_box_batch_f64(&box, N, o, u, ts, u, p, lows, highs, a));
+    CHECK_OK(am_sunlit_fog_radiance_in_box_f32(&box, origin_f32, up_f32, ahead_f32, up_f32,
+                                               phase_f32, low_f32, high_f32, b));
+    CHECK_NEAR(b[0], 0.25 * 0.5 * 2 * 0.22313016014842982, 1e-6);
+    CHECK_OK(am_sunlit_fog_radiance_in_box_batch_f32(&box, N, o_f32, u_f32, ts_f32, u_f32, p_f32,
+                                                     lows_f32, highs_f32, b));
+    for (i = 0; i < N; ++i) {
+        CHECK_NEAR(a[i], 0.25 * 0.5 * 2 * 0.22313016014842982, 1e-14);
+        CHECK_NEAR(b[i], 0.25 * 0.5 * 2 * 0.22313016014842982, 1e-6);
+    }
+    CHECK_FAILS(am_sunlit_fog_radiance_in_box_f64(&fog, origin, up, ahead, up, phase, low, high, a),
+                AM_STATUS_INVALID_ARGUMENT,
+                "profile must be constant in a box, got \"exponential\"");
+}
+
 /* The same on a tape; then on a host that fails at each operation in turn. */
 static am_status record(const am_host_table *host, am_node *radiance) {
     am_node o[3], d[3], s[3], scattering[CHANNELS], attenuation[CHANNELS];
@@ -125,6 +159,7 @@ int main(void) {
     (void) constant;
     (void) exponential;
     numbers();
+    in_a_box();
     recorded();
     mistakes();
     return REPORT();

@@ -46,6 +46,18 @@ template <typename T> static void answers(double tolerance) {
     CHECK_NEAR(medium.optical_depth(many, { up }, distances)[37], depth, tolerance);
     CHECK_NEAR(medium.free_flight(1, many, { up }, { infinity }, { T(depth) })[18], 2,
                4 * tolerance);
+
+    // A line past a light at the distance 2 without extinction: sigma_s/(4 * 2).
+    am_light light{};
+    light.kind = AM_LIGHT_KIND_ISOTROPIC;
+    light.position[0] = 2;
+    const am::AirLight lamp(light, { AM_PHASE_KIND_ISOTROPIC, 0 }, { 1, 3 }, { 0, 0 });
+    const T start = T(-2), end = T(2); // half of it: 45 degrees to both sides
+    CHECK_NEAR(lamp.radiance(origin, up, start, end)[1], 3.0 / 16, tolerance);
+    CHECK_NEAR(lamp.radiance(many, { up }, { start }, { end })[37], 3.0 / 16, tolerance);
+    const auto [about, error] = lamp.radiance_within(origin, up, start, end, T(1e-3));
+    CHECK_NEAR(about[1], 3.0 / 16, 1e-3);
+    CHECK(error[1] >= 0 && error[1] <= T(1e-3));
 }
 
 // `call` throws an error that contains `text`.
@@ -70,6 +82,13 @@ int main() {
     throws("does not have", [] { am::Profile("constant", { { "radius", { 1 } } }); });
     throws("sigma_t must be finite and >= 0, got -1",
            [] { am::Medium({ { am::Profile("constant"), { -1 } } }); });
+    throws("light.position must be finite", [] {
+        am_light far{};
+        far.position[2] = INFINITY;
+        am::AirLight(far, { AM_PHASE_KIND_ISOTROPIC, 0 }, { 1 }, { 1 });
+    });
+    throws("the same number of channels",
+           [] { am::AirLight(am_light{}, am_phase{}, { 1 }, { 1, 2 }); });
     throws("n_components must be >= 1", [] { am::Medium(std::vector<am::Medium::Component>{}); });
     throws("must have 1 or 3 items, got 2", [] {
         am::Vector<double> v{ 0, 0, 1 };

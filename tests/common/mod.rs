@@ -9,6 +9,5 @@ pub mod article;
 pub mod counted;
 pub mod host;
 pub mod lamps;
-pub mod paper;
 pub mod random;
 pub mod rows;

@@ -75,6 +75,93 @@ def test_rows_in_single_precision():
         check(row, in_numpy(row, values, np.float32), expected, True)
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_rows_within_a_tolerance(tolerance):
+    """Two rows of 420 may miss it: tests/airlight_methods.rs has counts and worst errors."""
+    missed, below = 0, 0
+    for row in rows.read("airlight"):
+        s, t, h, x_h, x_a, x_b, axis = numbers(row, False)
+        expected = float(row["L"])
+        ray = EYE, ALONG, x_a, x_b
+        lamp = am.AirLight((x_h, h, 0), s, t, phase(row), intensity(row, axis))
+        got, error = lamp.estimate(*ray, tolerance)
+        assert got == lamp.radiance(*ray, tolerance=tolerance)
+        assert error <= tolerance
+        missed += abs(got - expected) > tolerance * expected
+        below += abs(got - expected) > max(error, 1e-11) * expected
+    assert missed <= 2
+    assert below <= 0.05 * 420
+
+
+def test_a_tolerance_is_that_of_its_ray():
+    """Lanes of a batch take what the worst of them needs, so each ray keeps its own."""
+    tolerance = np.array([1e-2, 1e-4, 1e-6, 1e-8] * 3)
+    ends = np.linspace(1, 12, 12)
+    lamp = am.AirLight((4, 0.3, 0), [0.1, 0.2], [0.5, 2], HenyeyGreenstein(0.9))
+    exact = lamp.radiance(EYE, ALONG, 0, ends)
+    got, error = lamp.estimate(EYE, ALONG, 0, ends, tolerance)
+    assert got.shape == error.shape == (12, 2)
+    assert np.all(abs(got - exact) <= tolerance[:, None] * exact)
+    assert np.all(error <= tolerance[:, None])
+    single = lamp.radiance(np.float32(EYE), np.float32(ALONG), np.float32(0), np.float32(ends))
+    loose = am.airlight(0.1, 0.5, EYE, ALONG, 0, ends, (4, 0.3, 0), HenyeyGreenstein(0.9),
+                        tolerance=1e-3)  # fmt: skip
+    np.testing.assert_allclose(loose, exact[:, 0], rtol=1e-3)
+    np.testing.assert_allclose(single, exact, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("method", "terms", "tolerance"),
+    [
+        ("quadrature", 8, 1e-2),
+        ("quadrature", 48, 1e-12),
+        ("closed_form", 6, 1e-2),
+        ("closed_form", 20, 1e-4),
+        ("combined", 6, 1e-2),
+    ],
+)
+def test_methods(method, terms, tolerance):
+    """All agree where the paper's formulas are at their best: H of order 1, a smooth function."""
+    lamp = am.AirLight((2, 1.5, 0), [0.1, 0.3], [0.6, 0.9], Rayleigh())
+    ends = np.array([[1.0, 3.0], [6.0, np.inf]])
+    exact = lamp.radiance(EYE, ALONG, 0, ends)
+    got = lamp.radiance(EYE, ALONG, 0, ends, method=method, terms=terms)
+    assert got.shape == (2, 2, 2)
+    np.testing.assert_allclose(got, exact, rtol=tolerance)
+
+
+def test_the_first_reformulation_is_wrong_beyond_the_light():
+    """Before it, v < 1 and it is the combined one; beyond it, v grows and its series diverges."""
+    before, beyond = (
+        {
+            method: am.airlight(0.1, 0.6, EYE, ALONG, 0, end, (2, 1.5, 0), phase=Rayleigh(),
+                                method=method, terms=6)
+            for method in ("first", "combined")
+        }
+        for end in (2, 9)
+    )  # fmt: skip
+    assert before["first"] == before["combined"]
+    exact = am.airlight(0.1, 0.6, EYE, ALONG, 0, 9, (2, 1.5, 0), phase=Rayleigh())
+    assert abs(beyond["first"] / exact - 1) > 10 * abs(beyond["combined"] / exact - 1)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"tolerance": 0}, "tolerance must be finite and > 0, got 0.0"),
+        ({"tolerance": 1e-3, "method": "first"}, "give tolerance alone, or method and terms"),
+        ({"method": "first"}, "give tolerance alone, or method and terms, got method"),
+        ({"method": "third", "terms": 6}, "method must be one of quadrature, closed_form, "),
+        ({"method": "quadrature", "terms": 9}, "terms must be a multiple of 8 in"),
+        ({"method": "combined", "terms": 21}, r"terms must be in \[1, 20\], got 21"),
+        ({"tolerance": 1e-3, "phase": abs}, "tolerance must be None for a phase function"),
+    ],
+)
+def test_bad_choices(options, message):
+    with pytest.raises(ValueError, match=message):
+        am.airlight(0.1, 0.6, EYE, ALONG, 0, 2, (2, 1.5, 0), **options)
+
+
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # NumPy's, as a host
 @pytest.mark.parametrize("host", ["NumPy", "llvm_ad_rgb"])
 def test_rows_recorded(request, host):

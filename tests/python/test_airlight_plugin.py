@@ -105,6 +105,13 @@ class TestAgainstMonteCarlo:
         ours = render(scene, AIRLIGHT, spp=4, passes=32)
         assert_agree(ours, render(scene, ONCE, spp=4, passes=32, side=1))
 
+    @pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"], indirect=True)
+    def test_sun_in_a_box(self, variant):
+        """Light enters through the top and two sides."""
+        scene = room(COLOURS | BOX, lights=["sun"], pixel_format="rgb")
+        ours = render(scene, AIRLIGHT, spp=4, passes=32)
+        assert_agree(ours, render(scene, ONCE, spp=16, passes=32, side=1))
+
     @pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
     def test_camera_outside(self, variant):
         box = {"bbox_min": [-3, -1, -1.1], "bbox_max": [3, 4.1, 4]}
@@ -206,7 +213,9 @@ REFUSED = {
     ),
     'must be constant for light of "lamp"': lambda: room(LAYERS | BOX),
     "must be an analytic one": lambda: room(scenes.homogeneous_fog()),
-    "is constant and bounded": lambda: room(FOG | BOX, lights=["sun"]),
+    "is constant and a sphere": lambda: room(
+        FOG | {"bsphere_center": [0, 0, 0], "bsphere_radius": 9}, lights=["sun"]
+    ),
     "must be isotropic, hg or rayleigh, got BlendPhaseFunction": lambda: room(
         FOG
         | BOX

@@ -143,3 +143,22 @@ def test_bad_arguments_are_named(change, message):
     }
     with pytest.raises(ValueError, match=message):
         am.sunlit_fog(**{**arguments, **change})
+
+
+def test_a_box_is_lit_through_its_sides():
+    """A ray across a box, the sun in the zenith: the way of light is the same everywhere, and the
+    air-light (1 - exp(-sigma_t t)) exp(-sigma_t h) of an albedo of 1, times the phase function."""
+    corners = (-3, -3, 0), [(3, 3, 2), (3, 3, 5)]
+    got = am.sunlit_fog(
+        am.Constant(), 0.5, 0.5, (-2, 0, 1), (1, 0, 0), 4, (0, 0, 1), phase=1, bounds=corners
+    )
+    expected = (1 - np.exp(-0.5 * 4)) * np.exp(-0.5 * np.array([1, 4]))
+    np.testing.assert_allclose(got, expected, rtol=1e-14)
+
+
+def test_a_box_needs_a_constant_fog():
+    with pytest.raises(ValueError, match='profile must be constant in a box, got "exponential"'):
+        am.sunlit_fog(
+            am.Exponential(scale_height=2), 0.5, 0.5, (0, 0, 1), (1, 0, 0), 1, (0, 0, 1),
+            bounds=((-3, -3, 0), (3, 3, 2)),
+        )  # fmt: skip

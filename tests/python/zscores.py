@@ -20,15 +20,17 @@ PASSES = 32
 
 
 def render_passes(scene, integrator, side, spp, passes=PASSES):
-    """Images of a scene by an integrator (both dicts), shape (passes, pixels, channels).
+    """Images of a scene, a dict or loaded, by an integrator (a dict): (passes, pixels, channels).
 
     Sides that are compared have numbers of their own, and with them other random numbers.
     """
     gc.collect()  # a living medium would be part of every kernel
-    loaded = mi.load_dict(scene | {"integrator": integrator})
+    loaded = mi.load_dict(scene) if isinstance(scene, dict) else scene
+    integrator = mi.load_dict(integrator)
     images = []
     for seed in range(1000 * side, 1000 * side + passes):
-        image = np.array(mi.render(loaded, spp=spp, seed=seed), dtype=np.float64)
+        image = mi.render(loaded, integrator=integrator, spp=spp, seed=seed)
+        image = np.array(image, dtype=np.float64)
         assert np.isfinite(image).all(), f"{np.sum(~np.isfinite(image))} values are not finite"
         images.append(image.reshape(-1, image.shape[2]))
     return np.stack(images)

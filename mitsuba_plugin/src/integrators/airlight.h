@@ -48,8 +48,8 @@ media and surfaces that let light through are errors.
 The medium itself is not shadowed, unless ``shadow_steps`` says so, and light that is scattered more
 than once is left out: the picture is that of ``analyticvolpath`` with ``max_depth`` 2, where
 nothing stands between lights and medium. Towards a directional light an exponential medium reaches
-to infinity, whatever its box. A constant one must have no box then, and the irradiance is that at
-the camera: a fog without an end lets no light in.
+to infinity, whatever its box. A constant one is lit through the sides of its box; without a box the
+irradiance is that at the camera, for a fog without an end lets no light in. It may not be a sphere.
 
 Source: Pegoraro, Schott and Parker, "An Analytical Approach to Single Scattering for Anisotropic
 Media and Light Distributions", Graphics Interface 2009.

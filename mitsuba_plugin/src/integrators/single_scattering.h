@@ -49,9 +49,9 @@ public:
     /// Throws unless what the medium scatters of this light has a closed form.
     void require(const LightSource &light) const {
         if (light.directional()) {
-            if (m_constant && extent().bounded())
-                Throw("airlight: the medium \"%s\" is constant and bounded, and light of \"%s\" "
-                      "goes different ways in it; make it exponential, or take away its bounds",
+            if (m_constant && extent().bounded() && !extent().boxed())
+                Throw("airlight: the medium \"%s\" is constant and a sphere, in which the way of "
+                      "light from \"%s\" has no closed form; give it a box, or no bounds",
                       m_medium->id(), light.emitter->id());
             return;
         }
@@ -81,6 +81,8 @@ public:
                                      Mask active) const {
         if (!light.directional())
             return transmittance(shadow, distance, active);
+        if (in_box())
+            return transmittance(shadow, dr::Infinity<Float>, active);
         // A constant fog has no end: irradiance is that at the camera.
         const Float column =
             m_constant ? -t * dr::dot(ray.d, shadow.d)
@@ -128,6 +130,9 @@ public:
 
 private:
     static constexpr size_t Channels = dr::size_v<UnpolarizedSpectrum>;
+
+    /// Whether directional light enters the medium through the sides of a box.
+    bool in_box() const { return m_constant && extent().boxed(); }
 
     const Component &matter() const { return m_medium->component(0); }
 
@@ -214,16 +219,30 @@ private:
                                            scattering.data(), extinction.data(), Channels };
             const auto from = tape.inputs(o), along = tape.inputs(d), towards = tape.inputs(sun);
             std::array<am_node, Channels> out;
-            tape.finish(am_sunlit_fog_radiance_record(tape.table(), &fog, from.data(), along.data(),
-                                                      tape.input(t), towards.data(),
-                                                      tape.input(Float(1.f)), out.data()));
+            const am_node length = tape.input(t), phase = tape.input(Float(1.f));
+            if (in_box()) {
+                const auto min = slots(tape, extent().min()), max = slots(tape, extent().max());
+                tape.finish(am_sunlit_fog_radiance_in_box_record(
+                    tape.table(), &fog, from.data(), along.data(), length, towards.data(), phase,
+                    min.data(), max.data(), out.data()));
+            } else {
+                tape.finish(am_sunlit_fog_radiance_record(tape.table(), &fog, from.data(),
+                                                          along.data(), length, towards.data(),
+                                                          phase, out.data()));
+            }
             for (size_t i = 0; i < Channels; ++i)
                 result[i] = tape[out[i]];
         } else {
             const auto scattering = numbers(sigma_s), extinction = numbers(sigma_t);
             const am_sunlit_fog fog{ matter().profile().plain(), scattering.data(),
                                      extinction.data(), Channels };
-            am_sunlit_fog_radiance_f32(&fog, o.data(), d.data(), t, sun.data(), 1.f, result.data());
+            if (in_box())
+                am_sunlit_fog_radiance_in_box_f32(&fog, o.data(), d.data(), t, sun.data(), 1.f,
+                                                  extent().min().data(), extent().max().data(),
+                                                  result.data());
+            else
+                am_sunlit_fog_radiance_f32(&fog, o.data(), d.data(), t, sun.data(), 1.f,
+                                           result.data());
         }
         return result;
     }

@@ -1,33 +1,29 @@
 //! Air-light as *An Analytical Approach to Single Scattering for Anisotropic Media and Light
-//! Distributions* has it, for comparison: (12), (13), (18) and (19) as they are printed.
+//! Distributions* has it, for comparison: (12), (13), (18) and (19) as they are printed. They lose all
+//! digits in thick media, near the light and for short segments; nothing else uses them.
 //!
 //! Errata: κ_i in the prefactors is κ_t. Fig. 3 assigns where it should subtract. (9) and (15) cancel
 //! on one side each; here they are divided. The first equality of (20) lacks e^(κ_t (x_a − x_h)). At
 //! x_b = ∞ the limits of (17) are Ei(H/w + iH) → iπ and Ei(H/w) → 0. Only Ei, the paper's (21) to (31),
-//! is that of the library: it is not to blame then.
+//! is that of this library: it is not to blame then. Lights are cut at their edges, and nothing is
+//! expanded across them, which the paper does.
 
-use analytic_media::airlight::AirLight;
-use analytic_media::airlight::closed_form::Expansion;
-use analytic_media::airlight::frame::{Frame, Point};
-use analytic_media::airlight::jet::Jet;
-use analytic_media::airlight::phase::PhaseFunction;
-use analytic_media::geometry::Ray;
-use analytic_media::special::expint::{e1, ei};
+use super::AirLight;
+use super::closed_form::{Expansion, jet};
+use super::frame::Frame;
+use super::light::Lit;
+use crate::geometry::Ray;
+use crate::special::expint::{e1, ei};
 
 /// Which reformulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
+    /// By v alone (8 to 13), as in the work that the paper extends.
     First,
+    /// By w alone (14 to 19).
     Second,
+    /// By v before the foot of the light and w beyond it (20).
     Combined,
-}
-
-/// A row of the table: one channel.
-pub struct Paper {
-    pub air: AirLight<f64>,
-    pub ray: Ray<f64>,
-    pub from: f64,
-    pub to: f64,
 }
 
 fn factorial(n: i32) -> f64 {
@@ -104,34 +100,60 @@ fn second_moment(h: f64, wa: f64, wb: f64, n: i32) -> f64 {
     sum
 }
 
-impl Paper {
-    /// L_m by `N` terms.
-    pub fn radiance<const N: usize>(&self, form: Form, expansion: Expansion) -> f64 {
-        let frame = Frame::new(&self.ray, &self.air.light);
-        let h = frame.height;
-        let optical = self.air.sigma_t[0] * h;
-        let u = |t: f64| (t + frame.start) / h;
-        let (ua, ub) = (u(self.from), u(self.to));
-        let first = |a: f64, b: f64| self.first::<N>(&frame, optical, expansion, a, b);
-        let second = |a: f64, b: f64| self.second::<N>(&frame, optical, expansion, a, b);
-        let integral = match form {
-            Form::First => first(ua, ub),
-            Form::Second => second(ua, ub),
-            Form::Combined if ub <= 0.0 => first(ua, ub),
-            Form::Combined if ua >= 0.0 => second(ua, ub),
-            Form::Combined => first(ua, 0.0) + second(0.0, ub),
+/// [`AirLight::radiance`] by the first `terms` ≤ `N` terms of the series.
+pub fn radiance<const N: usize>(
+    air: &AirLight<f64>,
+    form: Form,
+    expansion: Expansion,
+    ray: &Ray<f64>,
+    [t0, t1]: [f64; 2],
+    terms: usize,
+) -> Vec<f64> {
+    let frame = Frame::new(ray, &air.light);
+    let from = t0 + frame.start;
+    let to = (t1.min(frame.far()) + frame.start).max(from);
+    let Lit { first, last, kinks } = air.light.intensity.lit(&frame, from, to);
+    let (begin, end) = kinks.unwrap_or((last, last));
+    let parts = [[first, begin], [begin, end], [end, last]];
+    let h = frame.height;
+    let radiance = |(sigma_s, sigma_t): (&f64, &f64)| {
+        let series = Series::<N> {
+            air,
+            frame: &frame,
+            optical: sigma_t * h,
+            expansion,
+            terms,
         };
-        self.air.sigma_s[0] / h * (optical * ua).exp() * 2.0 * integral
+        let lit = parts.iter().filter(|[a, b]| a < b);
+        let integral: f64 = lit.map(|[a, b]| series.integral(form, a / h, b / h)).sum();
+        sigma_s / h * (sigma_t * from).exp() * 2.0 * integral
+    };
+    air.sigma_s.iter().zip(&air.sigma_t).map(radiance).collect()
+}
+
+/// What both reformulations expand.
+struct Series<'a, const N: usize> {
+    air: &'a AirLight<f64>,
+    frame: &'a Frame<f64>,
+    /// H
+    optical: f64,
+    expansion: Expansion,
+    terms: usize,
+}
+
+impl<const N: usize> Series<'_, N> {
+    /// The integral of (12), (18) or (20) between two u.
+    fn integral(&self, form: Form, a: f64, b: f64) -> f64 {
+        match form {
+            Form::First => self.first(a, b),
+            Form::Second => self.second(a, b),
+            Form::Combined if b <= 0.0 => self.first(a, b),
+            Form::Combined if a >= 0.0 => self.second(a, b),
+            Form::Combined => self.first(a, 0.0) + self.second(0.0, b),
+        }
     }
 
-    fn first<const N: usize>(
-        &self,
-        frame: &Frame<f64>,
-        h: f64,
-        expansion: Expansion,
-        ua: f64,
-        ub: f64,
-    ) -> f64 {
+    fn first(&self, a: f64, b: f64) -> f64 {
         // (9); e^(−Hv) has vanished long before its end.
         let v = |u: f64| {
             let v = if u < 0.0 {
@@ -139,28 +161,15 @@ impl Paper {
             } else {
                 u + u.hypot(1.0)
             };
-            v.min(700.0 / h)
+            v.min(700.0 / self.optical)
         };
-        let (va, vb) = (v(ua), v(ub));
-        let point = if expansion == Expansion::Fixed {
-            0.5
-        } else {
-            0.5 * (va + vb)
-        };
-        let c = self.series::<N>(frame, -1.0, point);
-        (0..N)
-            .map(|n| c[n] * first_moment(h, va, vb, n as i32))
-            .sum()
+        let (a, b) = (v(a), v(b));
+        let c = self.coefficients(-1.0, a, b);
+        let term = |(n, c): (usize, &f64)| c * first_moment(self.optical, a, b, n as i32);
+        c.iter().enumerate().take(self.terms).map(term).sum()
     }
 
-    fn second<const N: usize>(
-        &self,
-        frame: &Frame<f64>,
-        h: f64,
-        expansion: Expansion,
-        ua: f64,
-        ub: f64,
-    ) -> f64 {
+    fn second(&self, a: f64, b: f64) -> f64 {
         // (15); e^(H/w) has vanished long before its end.
         let w = |u: f64| {
             let w = if u < 0.0 {
@@ -168,30 +177,24 @@ impl Paper {
             } else {
                 -1.0 / (u + u.hypot(1.0))
             };
-            if w > -h / 700.0 { 0.0 } else { w }
+            if w > -self.optical / 700.0 { 0.0 } else { w }
         };
-        let (wa, wb) = (w(ua), w(ub));
-        let point = if expansion == Expansion::Fixed {
-            0.5
-        } else {
-            -0.5 * (wa + wb)
-        };
+        let (a, b) = (w(a), w(b));
         // Of the powers of −w.
-        let d = self.series::<N>(frame, 1.0, point);
+        let d = self.coefficients(1.0, -a, -b);
         let sign = |n: usize| if n % 2 == 0 { 1.0 } else { -1.0 };
-        (0..N)
-            .map(|n| sign(n) * d[n] * second_moment(h, wa, wb, n as i32))
-            .sum()
+        let term =
+            |(n, d): (usize, &f64)| sign(n) * d * second_moment(self.optical, a, b, n as i32);
+        d.iter().enumerate().take(self.terms).map(term).sum()
     }
 
     /// Taylor coefficients of phase function times intensity, for the powers of v or −w (42).
-    fn series<const N: usize>(&self, frame: &Frame<f64>, sign: f64, point: f64) -> [f64; N] {
-        let lift = Jet::<f64, N>::constant;
-        let (w, sign) = (Jet::variable(point), lift(sign));
-        let frame = frame.map(lift);
-        let at = Point::new(sign, w / frame.height, frame.height);
-        let value = self.air.light.intensity.map(lift).value(&frame.toward(&at))
-            * self.air.phase.map(lift).value(at.deflection());
-        value.about_zero(point)
+    fn coefficients(&self, sign: f64, a: f64, b: f64) -> [f64; N] {
+        let point = match self.expansion {
+            Expansion::Fixed => 0.5,
+            Expansion::Midpoint => 0.5 * (a + b),
+        };
+        let jet = jet(self.air, self.frame, sign, point);
+        jet.first(self.terms).about_zero(point)
     }
 }
