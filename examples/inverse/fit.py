@@ -9,8 +9,8 @@
     course = fit(scene, apply, target, unknowns, steps=200, spp=16, max_depth=8)
     plot(course, truth, "fit.png")
 
-`apply` sets parameters of `mi.traverse(scene)` to what the unknowns say. Steps are those of Adam, in
-variables that keep every unknown in its range.
+`apply` sets parameters of `mi.traverse(scene)` to what the unknowns say. Steps are those of Adam,
+in variables that keep every unknown in its range.
 """
 
 import time
@@ -69,7 +69,7 @@ class Course:
         return np.mean(tail, axis=0)
 
 
-def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.08):
+def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.1):
     """Looks for the unknowns that make `scene` look like the image `target`.
 
     The loss is the mean of the squared difference, each pixel's relative to its brightness in
@@ -78,7 +78,7 @@ def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.08):
     """
     integrator = mi.load_dict(INTEGRATOR | {"max_depth": max_depth})
     params = mi.traverse(scene)
-    optimizer = mi.ad.Adam(lr=rate)
+    optimizer = mi.ad.Adam(lr=rate, beta_2=0.95)  # forgets the steep slopes of the start
     for name, unknown in unknowns.items():
         optimizer[name] = unknown.forward(unknown.type()(unknown.start))
 
@@ -141,8 +141,9 @@ def plot(course, truth, path):
         axis.set_title(title)
         axis.axis("off")
     loss, relative, errors = axes[1]
-    loss.semilogy(course.losses)
-    loss.set(title="loss", xlabel="step")
+    # Noise makes single values of an estimate of 0 negative.
+    loss.semilogy(np.abs(np.convolve(course.losses, np.full(8, 1 / 8), "valid")))
+    loss.set(title="loss, mean of 8 steps", xlabel="step")
     for name, expected in truth.items():
         values = np.array(course.values[name]).reshape(len(course.losses), -1) / expected
         for channel, column in enumerate(values.T):

@@ -35,8 +35,8 @@ def apply(params, visibility, scale_height, albedo):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=200)
-    parser.add_argument("--spp", type=int, default=64, help="paths per pixel in each step")
+    parser.add_argument("--steps", type=int, default=120)
+    parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
     parser.add_argument("--output", default="street_fit.png")
     options = parser.parse_args()
 
