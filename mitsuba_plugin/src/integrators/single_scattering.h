@@ -221,7 +221,7 @@ private:
             std::array<am_node, Channels> out;
             const am_node length = tape.input(t), phase = tape.input(Float(1.f));
             if (in_box()) {
-                const auto min = slots(tape, extent().min()), max = slots(tape, extent().max());
+                const auto min = tape.inputs(extent().min()), max = tape.inputs(extent().max());
                 tape.finish(am_sunlit_fog_radiance_in_box_record(
                     tape.table(), &fog, from.data(), along.data(), length, towards.data(), phase,
                     min.data(), max.data(), out.data()));
