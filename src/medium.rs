@@ -5,6 +5,7 @@
 //! Spectra: the columns of the components are computed once and serve every channel.
 
 use crate::geometry::{Ray, Vector};
+use crate::profile::gradient::{Gradient, Parameters, reciprocal};
 use crate::profile::{AnyProfile, Profile};
 use crate::real::Real;
 use crate::special::rel::phi;
@@ -16,6 +17,62 @@ pub struct Medium<R> {
     /// σ_t: attenuation at relative density 1, 1/length, ≥ 0; channels of the first
     /// component, of the second, and so on.
     sigma_t: Vec<R>,
+}
+
+/// The derivatives of a number that was asked of a medium.
+#[derive(Clone, Debug)]
+pub struct MediumGradient<R> {
+    /// By σ_t of each component, and by the parameters of its profile.
+    pub components: Vec<(R, Parameters<R>)>,
+    /// By the origin of the ray.
+    pub origin: Vector<R>,
+    /// By its direction, as a free vector.
+    pub direction: Vector<R>,
+    /// By the last argument of the question: the distance, or the optical depth.
+    pub last: R,
+}
+
+impl<R: Real> MediumGradient<R> {
+    /// All derivatives in one row: σ_t and parameters of the first component, of the second,
+    /// …, origin, direction, last argument.
+    pub fn row(&self) -> impl Iterator<Item = R> {
+        let components = self.components.iter();
+        components
+            .flat_map(|(sigma, parameters)| std::iter::once(sigma).chain(parameters))
+            .chain(&self.origin)
+            .chain(&self.direction)
+            .chain([&self.last])
+            .copied()
+    }
+
+    fn map(self, mut f: impl FnMut(R) -> R) -> Self {
+        let mut components = self.components;
+        for (sigma, parameters) in &mut components {
+            *sigma = f(*sigma);
+            parameters.iter_mut().for_each(|x| *x = f(*x));
+        }
+        Self {
+            components,
+            origin: self.origin.map(&mut f),
+            direction: self.direction.map(&mut f),
+            last: f(self.last),
+        }
+    }
+
+    /// The same where `mask` is set, else 0.
+    fn or_zero(self, mask: R::Mask) -> Self {
+        let zero = self.last.lit(0.0);
+        self.map(|x| R::select(mask, x, zero))
+    }
+
+    /// That of the distance at which an optical depth is reached: (3) of
+    /// [`crate::profile::gradient`].
+    pub(crate) fn implicit(self, reached: R::Mask) -> Self {
+        let (by_goal, dense) = reciprocal(self.last, reached);
+        let mut inverse = self.or_zero(dense).map(|x| -(x * by_goal));
+        inverse.last = by_goal;
+        inverse
+    }
 }
 
 /// T = e^(−τ), 1.
@@ -108,6 +165,49 @@ impl<R: Real> Medium<R> {
     /// τ of the segment of length `t` in every channel; dimensionless. `t` may be infinite.
     pub fn optical_depth(&self, ray: &Ray<R>, t: R) -> impl Iterator<Item = R> {
         self.attenuate_all(move |profile| profile.column(ray, t))
+    }
+
+    /// τ of the segment of length `t` in every channel, and its derivatives: by σ_t of the
+    /// component and by the parameters of its profile, for each component; by the ray and by
+    /// `t`. See [`crate::profile::gradient`].
+    ///
+    ///     ∂τ/∂σ_c = N_c,   ∂τ/∂θ = Σ_c σ_c ∂N_c/∂θ
+    pub fn optical_depth_value_and_gradient(
+        &self,
+        ray: &Ray<R>,
+        t: R,
+    ) -> impl Iterator<Item = (R, MediumGradient<R>)> {
+        let columns: Vec<_> = self
+            .profiles
+            .iter()
+            .map(|profile| profile.column_value_and_gradient(ray, t))
+            .collect();
+        (0..self.channels()).map(move |channel| self.weigh(channel, &columns))
+    }
+
+    /// σ_c times columns and their derivatives, summed over the components.
+    fn weigh(&self, channel: usize, columns: &[(R, Gradient<R>)]) -> (R, MediumGradient<R>) {
+        let zero = columns[0].0.lit(0.0);
+        let mut value = zero;
+        let mut gradient = MediumGradient {
+            components: Vec::with_capacity(columns.len()),
+            origin: [zero; 3],
+            direction: [zero; 3],
+            last: zero,
+        };
+        for (c, (column, by)) in columns.iter().enumerate() {
+            let sigma = self.sigma_t(c, channel);
+            value = value + attenuate(sigma, *column);
+            let by_sigma = R::select(column.is_bounded(), *column, zero);
+            let by = by.clone().map(|x| attenuate(sigma, x));
+            for i in 0..3 {
+                gradient.origin[i] = gradient.origin[i] + by.origin[i];
+                gradient.direction[i] = gradient.direction[i] + by.direction[i];
+            }
+            gradient.last = gradient.last + by.last;
+            gradient.components.push((by_sigma, by.parameters));
+        }
+        (value, gradient.or_zero(value.is_bounded()))
     }
 
     /// Minorant and majorant of σ_t on the segment in every channel, 1/length.
