@@ -5,7 +5,7 @@
 //! Spectra: the columns of the components are computed once and serve every channel.
 
 use crate::geometry::{Ray, Vector};
-use crate::profile::gradient::{Gradient, Parameters, reciprocal};
+use crate::profile::gradient::{Gradient, Parameters, held, reciprocal};
 use crate::profile::{AnyProfile, Profile};
 use crate::real::Real;
 use crate::special::rel::phi;
@@ -198,16 +198,16 @@ impl<R: Real> Medium<R> {
         for (c, (column, by)) in columns.iter().enumerate() {
             let sigma = self.sigma_t(c, channel);
             value = value + attenuate(sigma, *column);
-            let by_sigma = R::select(column.is_bounded(), *column, zero);
             let by = by.clone().map(|x| attenuate(sigma, x));
             for i in 0..3 {
                 gradient.origin[i] = gradient.origin[i] + by.origin[i];
                 gradient.direction[i] = gradient.direction[i] + by.direction[i];
             }
             gradient.last = gradient.last + by.last;
-            gradient.components.push((by_sigma, by.parameters));
+            gradient.components.push((*column, by.parameters));
         }
-        (value, gradient.or_zero(value.is_bounded()))
+        let bounded = value.is_bounded();
+        (value, gradient.map(|x| held(x, bounded)))
     }
 
     /// Minorant and majorant of σ_t on the segment in every channel, 1/length.

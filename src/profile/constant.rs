@@ -47,7 +47,7 @@ impl<R: Real> Profile<R> for Constant {
             direction: [zero; 3],
             last: one,
         };
-        (t, gradient.or_zero(t.is_bounded()))
+        (t, gradient.of(t))
     }
 
     /// (27), exact.

@@ -168,20 +168,19 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let from_start = R::select(descends, inner * other, from_below);
 
         let last = R::select(descends, densest, densest * relative.exp);
-        let bounded = value.is_bounded();
-        let column = n * R::select(bounded, value, zero);
+        let (column, moment) = (n * value, n * from_start);
         let up = self.plane.up;
-        let by_up = |i: usize| -(ray.origin[i] * column + climb(n * ray.direction[i], from_start));
-        let height = climb(n * n, lower) * value + climb(n * decay, from_below);
+        let by_up = |i: usize| -(ray.origin[i] * column + ray.direction[i] * moment);
+        let by_height = n * (lower * column + decay * from_below);
         let gradient = Gradient {
-            parameters: [by_up(0), by_up(1), by_up(2), column, height]
+            parameters: [by_up(0), by_up(1), by_up(2), column, by_height]
                 .into_iter()
                 .collect(),
             origin: up.map(|x| -(x * column)),
-            direction: up.map(|x| -climb(n * x, from_start)),
+            direction: up.map(|x| -(x * moment)),
             last: R::select(finite, last, zero),
         };
-        (value, gradient.or_zero(bounded))
+        (value, gradient.of(value))
     }
 
     /// (35)

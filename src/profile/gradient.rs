@@ -17,7 +17,8 @@
 //!
 //! (3) is the implicit function theorem: nothing is differentiated through an iteration.
 //!
-//! Where a column is infinite, or is never reached, its derivatives are 0.
+//! Where a column is infinite, or is never reached, its derivatives are 0; and so is a derivative
+//! that the number format cannot hold.
 
 use crate::geometry::{Ray, Vector};
 use crate::real::Real;
@@ -69,6 +70,13 @@ impl<R: Real> Gradient<R> {
         self.map(|x| R::select(mask, x, zero))
     }
 
+    /// That of `value`: 0 where it is infinite, as is what the number format cannot hold.
+    #[must_use]
+    pub fn of(self, value: R) -> Self {
+        let bounded = value.is_bounded();
+        self.map(|x| held(x, bounded))
+    }
+
     /// (3): that of the distance at which the number is reached, if this is that of the number
     /// by the distance, here.
     #[must_use]
@@ -78,6 +86,11 @@ impl<R: Real> Gradient<R> {
         inverse.last = by_goal;
         inverse
     }
+}
+
+/// `x` where the mask is set and the number format holds it, else 0.
+pub(crate) fn held<R: Real>(x: R, mask: R::Mask) -> R {
+    R::select(mask & x.abs().is_bounded(), x, x.lit(0.0))
 }
 
 /// 1/ρ of (3), and 0 outside of the mask: where the goal is not reached, or where there is nothing.
@@ -143,7 +156,7 @@ pub(super) fn around<R: Real>(
         direction,
         last,
     };
-    (value, gradient.or_zero(value.is_bounded()))
+    (value, gradient.of(value))
 }
 
 /// `number` of the ray `distance` far away, and 0 if that is infinite.

@@ -142,22 +142,20 @@ impl<R: Real> Profile<R> for Linear<R> {
         let middle = R::select(b.lt(zero), t - behind, behind);
         let (a, up) = (self.gradient, self.plane.up);
         let slope = a * length;
-        // Products in an order in which what overflows is not multiplied by 0.
-        let point =
-            |i: usize, factor: R| ray.origin[i] * factor + (ray.direction[i] * factor) * middle;
-        let climbed = (self.plane.cos_zenith(ray.direction) * length) * middle;
-        let height = self.plane.altitude(ray.origin) * length + climbed;
+        let moment = slope * middle;
+        let point = |i: usize| ray.origin[i] * slope + ray.direction[i] * moment;
+        let mean = self.plane.altitude(ray.origin) + self.plane.cos_zenith(ray.direction) * middle;
         let gradient = Gradient {
             parameters: [0, 1, 2]
-                .map(|i| point(i, slope))
+                .map(point)
                 .into_iter()
-                .chain([-slope, height, length])
+                .chain([-slope, mean * length, length])
                 .collect(),
             origin: up.map(|x| x * slope),
-            direction: up.map(|x| (x * slope) * middle),
+            direction: up.map(|x| x * moment),
             last: R::select(finite, e.max(zero), zero),
         };
-        (value, gradient.or_zero(value.is_bounded()))
+        (value, gradient.of(value))
     }
 
     /// (31)
