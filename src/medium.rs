@@ -5,7 +5,7 @@
 //! Spectra: the columns of the components are computed once and serve every channel.
 
 use crate::geometry::{Ray, Vector};
-use crate::profile::gradient::{Gradient, Parameters, held, reciprocal};
+use crate::profile::gradient::{Gradient, Parameters, held, implicit, reciprocal};
 use crate::profile::{AnyProfile, Profile};
 use crate::real::Real;
 use crate::special::rel::phi;
@@ -45,32 +45,25 @@ impl<R: Real> MediumGradient<R> {
             .copied()
     }
 
-    fn map(self, mut f: impl FnMut(R) -> R) -> Self {
-        let mut components = self.components;
-        for (sigma, parameters) in &mut components {
+    /// Changes all derivatives but the last.
+    fn each(&mut self, f: impl Fn(R) -> R) {
+        for (sigma, parameters) in &mut self.components {
             *sigma = f(*sigma);
             parameters.iter_mut().for_each(|x| *x = f(*x));
         }
-        Self {
-            components,
-            origin: self.origin.map(&mut f),
-            direction: self.direction.map(&mut f),
-            last: f(self.last),
-        }
-    }
-
-    /// The same where `mask` is set, else 0.
-    fn or_zero(self, mask: R::Mask) -> Self {
-        let zero = self.last.lit(0.0);
-        self.map(|x| R::select(mask, x, zero))
+        self.origin = self.origin.map(&f);
+        self.direction = self.direction.map(&f);
     }
 
     /// That of the distance at which an optical depth is reached: (3) of
     /// [`crate::profile::gradient`].
     pub(crate) fn implicit(self, reached: R::Mask) -> Self {
         let (by_goal, dense) = reciprocal(self.last, reached);
-        let mut inverse = self.or_zero(dense).map(|x| -(x * by_goal));
-        inverse.last = by_goal;
+        let mut inverse = Self {
+            last: by_goal,
+            ..self
+        };
+        inverse.each(|x| implicit(x, by_goal, dense));
         inverse
     }
 }
@@ -177,12 +170,25 @@ impl<R: Real> Medium<R> {
         ray: &Ray<R>,
         t: R,
     ) -> impl Iterator<Item = (R, MediumGradient<R>)> {
-        let columns: Vec<_> = self
-            .profiles
-            .iter()
-            .map(|profile| profile.column_value_and_gradient(ray, t))
-            .collect();
+        let columns = self.columns_and_gradients(ray, t);
         (0..self.channels()).map(move |channel| self.weigh(channel, &columns))
+    }
+
+    /// The same in one channel.
+    pub(crate) fn optical_depth_value_and_gradient_in(
+        &self,
+        channel: usize,
+        ray: &Ray<R>,
+        t: R,
+    ) -> (R, MediumGradient<R>) {
+        self.weigh(channel, &self.columns_and_gradients(ray, t))
+    }
+
+    fn columns_and_gradients(&self, ray: &Ray<R>, t: R) -> Vec<(R, Gradient<R>)> {
+        let profiles = self.profiles.iter();
+        profiles
+            .map(|profile| profile.column_value_and_gradient(ray, t))
+            .collect()
     }
 
     /// σ_c times columns and their derivatives, summed over the components.
@@ -207,7 +213,9 @@ impl<R: Real> Medium<R> {
             gradient.components.push((*column, by.parameters));
         }
         let bounded = value.is_bounded();
-        (value, gradient.map(|x| held(x, bounded)))
+        gradient.each(|x| held(x, bounded));
+        gradient.last = held(gradient.last, bounded);
+        (value, gradient)
     }
 
     /// Minorant and majorant of σ_t on the segment in every channel, 1/length.

@@ -57,10 +57,7 @@ pub fn free_flight_value_and_gradient<R: Real>(
     let t = free_flight(medium, channel, ray, t_max, tau);
     let reached = t.is_bounded();
     let end = R::select(reached, t, t.lit(0.0));
-    let (_, depth) = medium
-        .optical_depth_value_and_gradient(ray, end)
-        .nth(channel)
-        .expect("the medium has the channel");
+    let (_, depth) = medium.optical_depth_value_and_gradient_in(channel, ray, end);
     (t, depth.implicit(reached))
 }
 

@@ -346,7 +346,7 @@ fn in_f64(case: &Case) -> Vec<f64> {
     let (value, gradient) = gradient(case);
     let column = case.profile(|x| x).column(&case.ray, case.t);
     assert!(
-        (value - column).abs() <= 2e-14 * column.abs(),
+        (value - column).abs() <= 2e-13 * column.abs(),
         "{value} is not {column}: {case:?}"
     );
     gradient

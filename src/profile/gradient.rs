@@ -54,20 +54,13 @@ impl<R: Real> Gradient<R> {
 
     /// The same, each derivative through `f`.
     #[must_use]
-    pub fn map(self, mut f: impl FnMut(R) -> R) -> Self {
+    pub(crate) fn map(self, mut f: impl FnMut(R) -> R) -> Self {
         Self {
             parameters: self.parameters.into_iter().map(&mut f).collect(),
             origin: self.origin.map(&mut f),
             direction: self.direction.map(&mut f),
             last: f(self.last),
         }
-    }
-
-    /// The same where `mask` is set, else 0.
-    #[must_use]
-    pub fn or_zero(self, mask: R::Mask) -> Self {
-        let zero = self.last.lit(0.0);
-        self.map(|x| R::select(mask, x, zero))
     }
 
     /// That of `value`: 0 where it is infinite, as is what the number format cannot hold.
@@ -82,10 +75,19 @@ impl<R: Real> Gradient<R> {
     #[must_use]
     pub fn implicit(self, reached: R::Mask) -> Self {
         let (by_goal, dense) = reciprocal(self.last, reached);
-        let mut inverse = self.or_zero(dense).map(|x| -(x * by_goal));
-        inverse.last = by_goal;
-        inverse
+        let by = |x: R| implicit(x, by_goal, dense);
+        Self {
+            parameters: self.parameters.into_iter().map(by).collect(),
+            origin: self.origin.map(by),
+            direction: self.direction.map(by),
+            last: by_goal,
+        }
     }
+}
+
+/// −(∂N/∂θ)/ρ of (3).
+pub(crate) fn implicit<R: Real>(x: R, by_goal: R, dense: R::Mask) -> R {
+    -(R::select(dense, x, x.lit(0.0)) * by_goal)
 }
 
 /// `x` where the mask is set and the number format holds it, else 0.
