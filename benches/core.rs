@@ -4,7 +4,8 @@
 //!     RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench
 //!
 //! Criterion prints the time of each loop; the last lines are nanoseconds per ray and the
-//! ratio to the floor.
+//! ratio to the floor. A second table has columns with their derivatives, for all profiles: over
+//! the column alone, and over the same floor, since they need no other exponentials.
 
 use analytic_media::airlight::closed_form::{self, Expansion};
 use analytic_media::airlight::light::{Intensity, Light};
@@ -36,6 +37,25 @@ fn profile(index: usize) -> AmProfile {
     AmProfile { kind, values }
 }
 
+/// Kinds with parameters around 10, and the exponentials of a column in single and in double
+/// precision. Half of the rays turn at a perigee.
+const ALL: [(u32, &[f64], [usize; 2]); 8] = [
+    (0, &[], [0, 0]),
+    (1, &[0.0, 0.0, 1.0, 0.0, -0.05, 1.0], [0, 0]),
+    (2, &[0.0, 0.0, 1.0, 0.0, 8.0], [2, 2]),
+    (3, &[0.0, 0.0, -6371.0, 6371.0, 8.0], [21, 49]),
+    (4, &[0.0, 0.0, -6371.0, 6371.0, 10.0, 8.0], [0, 0]),
+    (5, &[20.0, 1.0, 10.0, 8.0], [21, 49]),
+    (
+        6,
+        &[
+            20.0, 1.0, 10.0, 8.0, 0.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 10.0,
+        ],
+        [21, 49],
+    ),
+    (7, &[0.0, 0.0, -6371.0, 6371.0, 8.0], [21, 49]),
+];
+
 /// Median over many batches, nanoseconds per ray.
 fn nanoseconds(mut batch: impl FnMut()) -> f64 {
     let mut times: Vec<f64> = (0..400)
@@ -53,8 +73,63 @@ fn nanoseconds(mut batch: impl FnMut()) -> f64 {
 type Row = (String, f64, f64);
 
 macro_rules! precision {
-    ($bench:ident, $float:ident, $Lanes:ident, $Array:ident,
-     $density:ident, $column:ident, $inv_column:ident) => {
+    ($bench:ident, $gradients:ident, $float:ident, $Lanes:ident, $Array:ident, $exps:literal,
+     $density:ident, $column:ident, $inv_column:ident, $gradient:ident) => {
+        /// Prints columns, alone and with their derivatives.
+        fn $gradients() {
+            let mut random = fastrand::Rng::with_seed(1);
+            let origins: Vec<$float> = (0..3 * N).map(|i| (i % 17) as $float).collect();
+            let directions: Vec<[$float; 3]> = (0..N)
+                .map(|_| {
+                    let mu = random.f64() * 2.0 - 1.0;
+                    [(1.0 - mu * mu).sqrt() as $float, 0.0, mu as $float]
+                })
+                .collect();
+            let lengths: Vec<$float> = (0..N).map(|i| 1.0 + (i % 23) as $float).collect();
+            let array = |data: *const $float, stride| $Array { data, stride };
+            let (o, d) = (
+                array(origins.as_ptr(), 3),
+                array(directions.as_ptr().cast(), 3),
+            );
+            let t = array(lengths.as_ptr(), 1);
+            let mut out: Vec<$float> = vec![0.0; N * 20];
+            for (kind, values, exps) in ALL {
+                let mut profile = AmProfile {
+                    kind,
+                    values: [0.0; AM_PROFILE_VALUES],
+                };
+                profile.values[..values.len()].copy_from_slice(values);
+                let pointer = out.as_mut_ptr();
+                // SAFETY: every array has N items, and a row has at most 20 numbers.
+                let column = nanoseconds(|| unsafe {
+                    assert_eq!($column(&profile, N, o, d, t, pointer), AmStatus::Ok);
+                    black_box(pointer);
+                });
+                // SAFETY: as above.
+                let both = nanoseconds(|| unsafe {
+                    assert_eq!($gradient(&profile, N, o, d, t, pointer), AmStatus::Ok);
+                    black_box(pointer);
+                });
+                let floor = nanoseconds(|| {
+                    for first in (0..N).step_by($Lanes::COUNT) {
+                        let x = $Lanes::gather(|lane| lengths[first + lane]);
+                        let mut sum = x;
+                        for k in 0..exps[$exps] {
+                            sum = sum + (-(x * x.lit(0.01 * (k + 1) as f64))).exp();
+                        }
+                        sum.scatter(|lane, value| out[first + lane] = value);
+                    }
+                    black_box(&out);
+                });
+                println!(
+                    "{:<4} kind {kind:<20} {column:>8.1} {both:>8.1} {:>6.2} {floor:>8.1} {:>6.2}",
+                    stringify!($float),
+                    both / column,
+                    both / floor
+                );
+            }
+        }
+
         fn $bench(criterion: &mut Criterion, rows: &mut Vec<Row>) {
             let name = stringify!($float);
             let origins: Vec<[$float; 3]> = (0..N)
@@ -131,21 +206,27 @@ macro_rules! precision {
 
 precision!(
     bench_f32,
+    gradients_f32,
     f32,
     F32Lanes,
     AmArrayF32,
+    0,
     am_profile_density_batch_f32,
     am_profile_column_batch_f32,
-    am_profile_inv_column_batch_f32
+    am_profile_inv_column_batch_f32,
+    am_profile_column_value_and_gradient_batch_f32
 );
 precision!(
     bench_f64,
+    gradients_f64,
     f64,
     F64Lanes,
     AmArrayF64,
+    1,
     am_profile_density_batch_f64,
     am_profile_column_batch_f64,
-    am_profile_inv_column_batch_f64
+    am_profile_inv_column_batch_f64,
+    am_profile_column_value_and_gradient_batch_f64
 );
 
 /// Single scattering in one channel: rays past a lamp, by quadrature of isotropic light that
@@ -243,4 +324,10 @@ fn main() {
     for (name, time, floor) in rows {
         println!("{name:<32} {time:>8.2} {floor:>8.2} {:>6.2}", time / floor);
     }
+    println!(
+        "\n{:<30} {:>8} {:>8} {:>6} {:>8} {:>6}",
+        "ns per ray", "column", "gradient", "ratio", "floor", "ratio"
+    );
+    gradients_f32();
+    gradients_f64();
 }

@@ -2084,6 +2084,14 @@ am_status am_planet_shell_record(const struct am_host_table *host,
 // `medium` points to one struct, and its arrays have the lengths that it says.
 am_status am_medium_check(const struct am_medium *medium);
 
+// Number of derivatives of an optical depth: by the coefficient and the values of the parameters
+// of each component, by origin, direction and distance.
+//
+// # Safety
+// `medium` points to one struct, and its arrays have the lengths that it says; `size` points to
+// one number.
+am_status am_medium_gradient_size(const struct am_medium *medium, size_t *size);
+
 // Attenuation coefficient at a point, 1/length, one per channel.
 //
 // # Safety
@@ -2470,6 +2478,137 @@ am_status am_medium_free_flight_record(const struct am_host_table *host,
                                        am_node tau,
                                        am_node *t);
 
+// Optical depth, and its derivatives by everything that it depends on: one row of numbers
+// per channel.
+//
+// First the optical depth; then, for each component, its derivatives by the attenuation
+// coefficient of the component in this channel and by the values of the parameters of its
+// profile, in the order of `am_profile.values`; then by the three components of the
+// origin, by those of the direction, and by `t`: 1 + `am_medium_gradient_size` numbers in
+// all. The optical depth does not depend on the coefficients of other channels.
+//
+// The direction counts as a free vector, see `am_profile_column_value_and_gradient_f64`.
+// All derivatives are 0 where the optical depth is infinite.
+//
+// # Safety
+// `medium` points to one struct, `origin` and `direction` to three numbers,
+// `value_and_gradient` to a row per channel.
+am_status am_medium_optical_depth_value_and_gradient_f64(const struct am_medium *medium,
+                                                         const double *origin,
+                                                         const double *direction,
+                                                         double t,
+                                                         double *value_and_gradient);
+
+// `am_medium_optical_depth_value_and_gradient_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_medium_optical_depth_value_and_gradient_f32(const struct am_medium *medium,
+                                                         const float *origin,
+                                                         const float *direction,
+                                                         float t,
+                                                         float *value_and_gradient);
+
+// `am_medium_optical_depth_value_and_gradient_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_medium_optical_depth_value_and_gradient_batch_f64(const struct am_medium *medium,
+                                                               size_t n,
+                                                               struct am_array_f64 origin,
+                                                               struct am_array_f64 direction,
+                                                               struct am_array_f64 t,
+                                                               double *value_and_gradient);
+
+// `am_medium_optical_depth_value_and_gradient_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_medium_optical_depth_value_and_gradient_batch_f32(const struct am_medium *medium,
+                                                               size_t n,
+                                                               struct am_array_f32 origin,
+                                                               struct am_array_f32 direction,
+                                                               struct am_array_f32 t,
+                                                               float *value_and_gradient);
+
+// `am_medium_optical_depth_value_and_gradient_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_medium_optical_depth_value_and_gradient_record(const struct am_host_table *host,
+                                                            const struct am_medium_nodes *medium,
+                                                            const am_node *origin,
+                                                            const am_node *direction,
+                                                            am_node t,
+                                                            am_node *value_and_gradient);
+
+// Free flight, and its derivatives: a row as that of
+// `am_medium_optical_depth_value_and_gradient_f64` for `channel` alone, whose last number
+// is the derivative by `tau`. By the implicit function theorem; all are 0 where there is
+// no collision. On `t_max` the distance of a collision does not depend.
+//
+// # Safety
+// `medium` points to one struct, `origin` and `direction` to three numbers,
+// `value_and_gradient` to one row.
+am_status am_medium_free_flight_value_and_gradient_f64(const struct am_medium *medium,
+                                                       size_t channel,
+                                                       const double *origin,
+                                                       const double *direction,
+                                                       double t_max,
+                                                       double tau,
+                                                       double *value_and_gradient);
+
+// `am_medium_free_flight_value_and_gradient_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_medium_free_flight_value_and_gradient_f32(const struct am_medium *medium,
+                                                       size_t channel,
+                                                       const float *origin,
+                                                       const float *direction,
+                                                       float t_max,
+                                                       float tau,
+                                                       float *value_and_gradient);
+
+// `am_medium_free_flight_value_and_gradient_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_medium_free_flight_value_and_gradient_batch_f64(const struct am_medium *medium,
+                                                             size_t n,
+                                                             size_t channel,
+                                                             struct am_array_f64 origin,
+                                                             struct am_array_f64 direction,
+                                                             struct am_array_f64 t_max,
+                                                             struct am_array_f64 tau,
+                                                             double *value_and_gradient);
+
+// `am_medium_free_flight_value_and_gradient_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_medium_free_flight_value_and_gradient_batch_f32(const struct am_medium *medium,
+                                                             size_t n,
+                                                             size_t channel,
+                                                             struct am_array_f32 origin,
+                                                             struct am_array_f32 direction,
+                                                             struct am_array_f32 t_max,
+                                                             struct am_array_f32 tau,
+                                                             float *value_and_gradient);
+
+// `am_medium_free_flight_value_and_gradient_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_medium_free_flight_value_and_gradient_record(const struct am_host_table *host,
+                                                          const struct am_medium_nodes *medium,
+                                                          size_t channel,
+                                                          const am_node *origin,
+                                                          const am_node *direction,
+                                                          am_node t_max,
+                                                          am_node tau,
+                                                          am_node *value_and_gradient);
+
 // Density of the distance `t` as a free flight, 1/length, one per channel: attenuation
 // coefficient times transmittance; 0 for an infinite `t`.
 //
@@ -2582,6 +2721,13 @@ am_status am_medium_pdf_within_record(const struct am_host_table *host,
                                       am_node t_max,
                                       am_node t,
                                       am_node *pdf);
+
+// Number of derivatives of a column: by the values of the parameters of `profile`, by origin,
+// direction and distance.
+//
+// # Safety
+// `profile` points to one struct, `size` to one number.
+am_status am_profile_gradient_size(const struct am_profile *profile, size_t *size);
 
 // Relative density at a point: dimensionless, ≥ 0.
 //
@@ -2736,6 +2882,123 @@ am_status am_profile_inv_column_record(const struct am_host_table *host,
                                        const am_node *direction,
                                        am_node column,
                                        am_node *t);
+
+// The column, and its derivatives by everything that it depends on: one row of numbers.
+//
+// First the column; then its derivatives by the values of the parameters, in the order of
+// `am_profile.values`, by the three components of the origin, by those of the direction,
+// and by `t`: 1 + `am_profile_gradient_size` numbers in all.
+//
+// The direction counts as a free vector: the derivatives are those of the integral of the
+// density over `origin + s direction`, 0 ≤ s ≤ `t`. All are 0 where the column is infinite.
+//
+// # Safety
+// `profile` points to one struct, `origin` and `direction` to three numbers,
+// `value_and_gradient` to as many as there are in a row.
+am_status am_profile_column_value_and_gradient_f64(const struct am_profile *profile,
+                                                   const double *origin,
+                                                   const double *direction,
+                                                   double t,
+                                                   double *value_and_gradient);
+
+// `am_profile_column_value_and_gradient_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_profile_column_value_and_gradient_f32(const struct am_profile *profile,
+                                                   const float *origin,
+                                                   const float *direction,
+                                                   float t,
+                                                   float *value_and_gradient);
+
+// `am_profile_column_value_and_gradient_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_column_value_and_gradient_batch_f64(const struct am_profile *profile,
+                                                         size_t n,
+                                                         struct am_array_f64 origin,
+                                                         struct am_array_f64 direction,
+                                                         struct am_array_f64 t,
+                                                         double *value_and_gradient);
+
+// `am_profile_column_value_and_gradient_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_column_value_and_gradient_batch_f32(const struct am_profile *profile,
+                                                         size_t n,
+                                                         struct am_array_f32 origin,
+                                                         struct am_array_f32 direction,
+                                                         struct am_array_f32 t,
+                                                         float *value_and_gradient);
+
+// `am_profile_column_value_and_gradient_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_profile_column_value_and_gradient_record(const struct am_host_table *host,
+                                                      const struct am_profile_nodes *profile,
+                                                      const am_node *origin,
+                                                      const am_node *direction,
+                                                      am_node t,
+                                                      am_node *value_and_gradient);
+
+// The distance at which the ray has gathered `column`, and its derivatives: a row as that
+// of `am_profile_column_value_and_gradient_f64`, whose last number is the derivative by
+// `column`. By the implicit function theorem; all are 0 where the distance is infinite, and
+// where there is no matter at that distance.
+//
+// # Safety
+// As for `am_profile_column_value_and_gradient_f64`.
+am_status am_profile_inv_column_value_and_gradient_f64(const struct am_profile *profile,
+                                                       const double *origin,
+                                                       const double *direction,
+                                                       double column,
+                                                       double *value_and_gradient);
+
+// `am_profile_inv_column_value_and_gradient_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_profile_inv_column_value_and_gradient_f32(const struct am_profile *profile,
+                                                       const float *origin,
+                                                       const float *direction,
+                                                       float column,
+                                                       float *value_and_gradient);
+
+// `am_profile_inv_column_value_and_gradient_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_inv_column_value_and_gradient_batch_f64(const struct am_profile *profile,
+                                                             size_t n,
+                                                             struct am_array_f64 origin,
+                                                             struct am_array_f64 direction,
+                                                             struct am_array_f64 column,
+                                                             double *value_and_gradient);
+
+// `am_profile_inv_column_value_and_gradient_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_inv_column_value_and_gradient_batch_f32(const struct am_profile *profile,
+                                                             size_t n,
+                                                             struct am_array_f32 origin,
+                                                             struct am_array_f32 direction,
+                                                             struct am_array_f32 column,
+                                                             float *value_and_gradient);
+
+// `am_profile_inv_column_value_and_gradient_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_profile_inv_column_value_and_gradient_record(const struct am_host_table *host,
+                                                          const struct am_profile_nodes *profile,
+                                                          const am_node *origin,
+                                                          const am_node *direction,
+                                                          am_node column,
+                                                          am_node *value_and_gradient);
 
 // Infimum and supremum of the density on the segment of length `t`, which may be
 // infinite. True bounds: they are widened by the rounding error.

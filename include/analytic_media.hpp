@@ -58,10 +58,14 @@ template <typename T> struct Abi;
         AM_DETAIL_QUESTION(profile_density, suffix)                                                \
         AM_DETAIL_QUESTION(profile_column, suffix)                                                 \
         AM_DETAIL_QUESTION(profile_inv_column, suffix)                                             \
+        AM_DETAIL_QUESTION(profile_column_value_and_gradient, suffix)                              \
+        AM_DETAIL_QUESTION(profile_inv_column_value_and_gradient, suffix)                          \
         AM_DETAIL_QUESTION(profile_bounds, suffix)                                                 \
         AM_DETAIL_QUESTION(profile_bounds_in_box, suffix)                                          \
         AM_DETAIL_QUESTION(medium_extinction, suffix)                                              \
         AM_DETAIL_QUESTION(medium_optical_depth, suffix)                                           \
+        AM_DETAIL_QUESTION(medium_optical_depth_value_and_gradient, suffix)                        \
+        AM_DETAIL_QUESTION(medium_free_flight_value_and_gradient, suffix)                          \
         AM_DETAIL_QUESTION(medium_transmittance, suffix)                                           \
         AM_DETAIL_QUESTION(medium_opacity, suffix)                                                 \
         AM_DETAIL_QUESTION(medium_bounds, suffix)                                                  \
@@ -147,6 +151,35 @@ public:
         detail::check(detail::Abi<T>::profile_inv_column(&m_data, origin.data(), direction.data(),
                                                          column, &out));
         return out;
+    }
+
+    // The column; its derivatives by the parameters in their order, the origin, the direction as a
+    // free vector, and t. 1 + gradient_size() numbers.
+    template <typename T>
+    std::vector<T> column_value_and_gradient(const Vector<T> &origin, const Vector<T> &direction,
+                                             T t) const {
+        std::vector<T> out(1 + gradient_size());
+        detail::check(detail::Abi<T>::profile_column_value_and_gradient(
+            &m_data, origin.data(), direction.data(), t, out.data()));
+        return out;
+    }
+
+    // The distance at which the ray has gathered `column`; its derivatives likewise, the last one
+    // by `column`.
+    template <typename T>
+    std::vector<T> inv_column_value_and_gradient(const Vector<T> &origin,
+                                                 const Vector<T> &direction, T column) const {
+        std::vector<T> out(1 + gradient_size());
+        detail::check(detail::Abi<T>::profile_inv_column_value_and_gradient(
+            &m_data, origin.data(), direction.data(), column, out.data()));
+        return out;
+    }
+
+    // Number of derivatives: of the parameters, origin, direction and distance.
+    std::size_t gradient_size() const {
+        std::size_t size = 0;
+        detail::check(am_profile_gradient_size(&m_data, &size));
+        return size;
     }
 
     // Bounds of the density on a segment.
@@ -261,6 +294,39 @@ public:
     template <typename T>
     std::vector<T> optical_depth(const Vector<T> &origin, const Vector<T> &direction, T t) const {
         return along(detail::Abi<T>::medium_optical_depth, origin, direction, t);
+    }
+
+    // A row per channel: the optical depth; its derivatives by the coefficient and the parameters
+    // of each component, the origin, the direction as a free vector, and t. Rows have
+    // 1 + gradient_size() numbers.
+    template <typename T>
+    std::vector<T> optical_depth_value_and_gradient(const Vector<T> &origin,
+                                                    const Vector<T> &direction, T t) const {
+        am_medium m = data();
+        std::vector<T> out(m_channels * (1 + gradient_size()));
+        detail::check(detail::Abi<T>::medium_optical_depth_value_and_gradient(
+            &m, origin.data(), direction.data(), t, out.data()));
+        return out;
+    }
+
+    // The free flight of a channel; its derivatives likewise, the last one by tau.
+    template <typename T>
+    std::vector<T> free_flight_value_and_gradient(std::size_t channel, const Vector<T> &origin,
+                                                  const Vector<T> &direction, T t_max,
+                                                  T tau) const {
+        am_medium m = data();
+        std::vector<T> out(1 + gradient_size());
+        detail::check(detail::Abi<T>::medium_free_flight_value_and_gradient(
+            &m, channel, origin.data(), direction.data(), t_max, tau, out.data()));
+        return out;
+    }
+
+    // Number of derivatives of an optical depth.
+    std::size_t gradient_size() const {
+        am_medium m = data();
+        std::size_t size = 0;
+        detail::check(am_medium_gradient_size(&m, &size));
+        return size;
     }
 
     // exp(-optical depth), per channel.

@@ -5,6 +5,7 @@
 //! Spectra: the columns of the components are computed once and serve every channel.
 
 use crate::geometry::{Ray, Vector};
+use crate::profile::gradient::{Gradient, Parameters, held, implicit, reciprocal};
 use crate::profile::{AnyProfile, Profile};
 use crate::real::Real;
 use crate::special::rel::phi;
@@ -16,6 +17,55 @@ pub struct Medium<R> {
     /// σ_t: attenuation at relative density 1, 1/length, ≥ 0; channels of the first
     /// component, of the second, and so on.
     sigma_t: Vec<R>,
+}
+
+/// The derivatives of a number that was asked of a medium.
+#[derive(Clone, Debug)]
+pub struct MediumGradient<R> {
+    /// By σ_t of each component, and by the parameters of its profile.
+    pub components: Vec<(R, Parameters<R>)>,
+    /// By the origin of the ray.
+    pub origin: Vector<R>,
+    /// By its direction, as a free vector.
+    pub direction: Vector<R>,
+    /// By the last argument of the question: the distance, or the optical depth.
+    pub last: R,
+}
+
+impl<R: Real> MediumGradient<R> {
+    /// All derivatives in one row: σ_t and parameters of the first component, of the second,
+    /// …, origin, direction, last argument.
+    pub fn row(&self) -> impl Iterator<Item = R> {
+        let components = self.components.iter();
+        components
+            .flat_map(|(sigma, parameters)| std::iter::once(sigma).chain(parameters))
+            .chain(&self.origin)
+            .chain(&self.direction)
+            .chain([&self.last])
+            .copied()
+    }
+
+    /// Changes all derivatives but the last.
+    fn each(&mut self, f: impl Fn(R) -> R) {
+        for (sigma, parameters) in &mut self.components {
+            *sigma = f(*sigma);
+            parameters.iter_mut().for_each(|x| *x = f(*x));
+        }
+        self.origin = self.origin.map(&f);
+        self.direction = self.direction.map(&f);
+    }
+
+    /// That of the distance at which an optical depth is reached: (3) of
+    /// [`crate::profile::gradient`].
+    pub(crate) fn implicit(self, reached: R::Mask) -> Self {
+        let (by_goal, dense) = reciprocal(self.last, reached);
+        let mut inverse = Self {
+            last: by_goal,
+            ..self
+        };
+        inverse.each(|x| implicit(x, by_goal, dense));
+        inverse
+    }
 }
 
 /// T = e^(−τ), 1.
@@ -108,6 +158,64 @@ impl<R: Real> Medium<R> {
     /// τ of the segment of length `t` in every channel; dimensionless. `t` may be infinite.
     pub fn optical_depth(&self, ray: &Ray<R>, t: R) -> impl Iterator<Item = R> {
         self.attenuate_all(move |profile| profile.column(ray, t))
+    }
+
+    /// τ of the segment of length `t` in every channel, and its derivatives: by σ_t of the
+    /// component and by the parameters of its profile, for each component; by the ray and by
+    /// `t`. See [`crate::profile::gradient`].
+    ///
+    ///     ∂τ/∂σ_c = N_c,   ∂τ/∂θ = Σ_c σ_c ∂N_c/∂θ
+    pub fn optical_depth_value_and_gradient(
+        &self,
+        ray: &Ray<R>,
+        t: R,
+    ) -> impl Iterator<Item = (R, MediumGradient<R>)> {
+        let columns = self.columns_and_gradients(ray, t);
+        (0..self.channels()).map(move |channel| self.weigh(channel, &columns))
+    }
+
+    /// The same in one channel.
+    pub(crate) fn optical_depth_value_and_gradient_in(
+        &self,
+        channel: usize,
+        ray: &Ray<R>,
+        t: R,
+    ) -> (R, MediumGradient<R>) {
+        self.weigh(channel, &self.columns_and_gradients(ray, t))
+    }
+
+    fn columns_and_gradients(&self, ray: &Ray<R>, t: R) -> Vec<(R, Gradient<R>)> {
+        let profiles = self.profiles.iter();
+        profiles
+            .map(|profile| profile.column_value_and_gradient(ray, t))
+            .collect()
+    }
+
+    /// σ_c times columns and their derivatives, summed over the components.
+    fn weigh(&self, channel: usize, columns: &[(R, Gradient<R>)]) -> (R, MediumGradient<R>) {
+        let zero = columns[0].0.lit(0.0);
+        let mut value = zero;
+        let mut gradient = MediumGradient {
+            components: Vec::with_capacity(columns.len()),
+            origin: [zero; 3],
+            direction: [zero; 3],
+            last: zero,
+        };
+        for (c, (column, by)) in columns.iter().enumerate() {
+            let sigma = self.sigma_t(c, channel);
+            value = value + attenuate(sigma, *column);
+            let by = by.clone().map(|x| attenuate(sigma, x));
+            for i in 0..3 {
+                gradient.origin[i] = gradient.origin[i] + by.origin[i];
+                gradient.direction[i] = gradient.direction[i] + by.direction[i];
+            }
+            gradient.last = gradient.last + by.last;
+            gradient.components.push((*column, by.parameters));
+        }
+        let bounded = value.is_bounded();
+        gradient.each(|x| held(x, bounded));
+        gradient.last = held(gradient.last, bounded);
+        (value, gradient)
     }
 
     /// Minorant and majorant of σ_t on the segment in every channel, 1/length.

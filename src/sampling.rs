@@ -8,7 +8,7 @@
 //! of (24) lacks `1 −`.
 
 use crate::geometry::Ray;
-use crate::medium::{Medium, attenuate, opacity, transmittance};
+use crate::medium::{Medium, MediumGradient, attenuate, opacity, transmittance};
 use crate::profile::Profile;
 use crate::real::Real;
 use crate::solve::{self, Bracket, Start};
@@ -42,6 +42,23 @@ pub fn free_flight<R: Real>(
         sum_inverse(medium, channel, ray, t_max, tau)
     };
     R::select(t.le(t_max), t, t.lit(f64::INFINITY))
+}
+
+/// t* of [`free_flight`], and its derivatives by the medium, the ray and `tau`, by the implicit
+/// function theorem: ∂t/∂θ = −(∂τ/∂θ)/σ_t(t). Those by σ_t are by that of `channel`. All are 0
+/// where there is no collision.
+pub fn free_flight_value_and_gradient<R: Real>(
+    medium: &Medium<R>,
+    channel: usize,
+    ray: &Ray<R>,
+    t_max: R,
+    tau: R,
+) -> (R, MediumGradient<R>) {
+    let t = free_flight(medium, channel, ray, t_max, tau);
+    let reached = t.is_bounded();
+    let end = R::select(reached, t, t.lit(0.0));
+    let (_, depth) = medium.optical_depth_value_and_gradient_in(channel, ray, end);
+    (t, depth.implicit(reached))
 }
 
 /// Density of `t` as a flight in every channel, 1/length: σ_t(t) e^(−τ(t)); 0 for a flight

@@ -6,7 +6,7 @@ from operator import index
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _arrays, _native
+from . import _arrays, _gradients, _native
 from .profiles import Profile, Result
 
 Coefficient = float | Sequence[float]
@@ -68,6 +68,21 @@ class Medium:
         """
         return self._answer("optical_depth", *_arrays.segment(o, d, t))
 
+    def optical_depth_value_and_gradient(
+        self, o: ArrayLike, d: ArrayLike, t: ArrayLike
+    ) -> tuple[Result, dict]:
+        """The optical depth, and its derivatives by everything that it depends on.
+
+        A mapping: "o", "d" and "t" lead to arrays of the shape of the optical depth, with an axis
+        of length 3 more for vectors; "components" leads to a tuple with one mapping per
+        component, from "sigma_t" and the names of the parameters of its profile to such arrays.
+        "sigma_t" is the derivative by the coefficient of the same channel; those of other
+        channels do not count. See `Profile.column_value_and_gradient` about vectors. All are 0
+        where the optical depth is infinite.
+        """
+        question = "optical_depth_value_and_gradient"
+        return self._with_gradient(question, self._width, *_arrays.segment(o, d, t))
+
     def transmittance(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> Result:
         """exp(-optical depth) (Eq. 11), in [0, 1]."""
         return self._answer("transmittance", *_arrays.segment(o, d, t))
@@ -85,12 +100,27 @@ class Medium:
         `tau = -log1p(-u)` with u uniform in [0, 1) (Eq. 15-24). `channel` is the one that `tau`
         belongs to. Shape (...), whatever the number of channels.
         """
+        return _arrays.answer(self._model, "free_flight", *self._flight(o, d, t_max, tau, channel))
+
+    def free_flight_value_and_gradient(
+        self, o: ArrayLike, d: ArrayLike, t_max: ArrayLike, tau: ArrayLike, channel: int = 0
+    ) -> tuple[Result, dict]:
+        """The distance `free_flight`, and its derivatives.
+
+        As those of `optical_depth_value_and_gradient`, with "tau" in place of "t" and without an
+        axis for channels. By the implicit function theorem, -(those of the optical depth) /
+        extinction. All are 0 where there is no collision. `t_max` does not move a collision.
+        """
+        arguments = self._flight(o, d, t_max, tau, channel)
+        return self._with_gradient("free_flight_value_and_gradient", (), *arguments)
+
+    def _flight(self, o, d, t_max, tau, channel):
         channels = self.channels or 1
         if not 0 <= index(channel) < channels:
             raise ValueError(f"channel must be from 0 to {channels - 1}, got {channel}")
         ray = _arrays.point("o", o), _arrays.direction("d", d)
         limits = _arrays.amount("t_max", t_max), _arrays.amount("tau", tau)
-        return _arrays.answer(self._model, "free_flight", index(channel), *ray, *limits)
+        return index(channel), *ray, *limits
 
     def pdf(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> Result:
         """Probability density of the free flight `t` >= 0, 1/length; 0 for an infinite one.
@@ -116,6 +146,19 @@ class Medium:
         """
         corners = _arrays.corner("lo", lo), _arrays.corner("hi", hi)
         return self._answer("bounds_in_box", *corners, outputs=2)
+
+    def _with_gradient(self, question, width, *arguments):
+        components = [
+            [("sigma_t", 1), *_gradients.parameters(profile._kind)]
+            for profile, _ in self.components
+        ]
+        ray = _gradients.of_ray(arguments[-1].name)
+        sizes = [_gradients.size(parts) for parts in [*components, ray]]
+        width = (*width, 1 + sum(sizes))
+        rows = _arrays.answer(self._model, question, *arguments, width=width)
+        value, *own, along = np.split(rows, np.cumsum([1, *sizes[:-1]]), axis=-1)
+        each = tuple(map(_gradients.split, own, components))
+        return value[..., 0][()], {"components": each, **_gradients.split(along, ray)}
 
     def _answer(self, question, *arguments, outputs=1):
         return _arrays.answer(self._model, question, *arguments, outputs=outputs, width=self._width)

@@ -20,7 +20,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _arrays, _native
+from . import _arrays, _gradients, _native
 
 Result = np.floating | np.ndarray
 Value = float | tuple[float, float, float]
@@ -104,6 +104,18 @@ class Profile:
         """
         return _arrays.answer(self._model, "column", *_arrays.segment(o, d, t))
 
+    def column_value_and_gradient(
+        self, o: ArrayLike, d: ArrayLike, t: ArrayLike
+    ) -> tuple[Result, dict[str, Result]]:
+        """The column, and its derivatives by every parameter, by `o`, `d` and `t`.
+
+        A mapping from names to arrays: of the shape of the column, with an axis of length 3 more
+        for vectors. `d` (and `up`, and axes) count as free vectors: the derivatives are those of
+        the integral of the density over o + s d, 0 <= s <= t; to turn a direction, take the part
+        perpendicular to it. All are 0 where the column is infinite.
+        """
+        return self._with_gradient("column", *_arrays.segment(o, d, t))
+
     def inv_column(self, o: ArrayLike, d: ArrayLike, column: ArrayLike) -> Result:
         """The smallest distance at which the ray has gathered `column`, a length >= 0.
 
@@ -111,6 +123,24 @@ class Profile:
         """
         ray = _arrays.point("o", o), _arrays.direction("d", d)
         return _arrays.answer(self._model, "inv_column", *ray, _arrays.amount("column", column))
+
+    def inv_column_value_and_gradient(
+        self, o: ArrayLike, d: ArrayLike, column: ArrayLike
+    ) -> tuple[Result, dict[str, Result]]:
+        """The distance `inv_column`, and its derivatives: by the parameters, `o`, `d`, `column`.
+
+        By the implicit function theorem, -(those of the column) / density. All are 0 where the
+        distance is infinite, and where there is no matter at that distance.
+        """
+        ray = _arrays.point("o", o), _arrays.direction("d", d)
+        return self._with_gradient("inv_column", *ray, _arrays.amount("column", column))
+
+    def _with_gradient(self, question, *arguments):
+        parts = [*_gradients.parameters(self._kind), *_gradients.of_ray(arguments[-1].name)]
+        width = (1 + _gradients.size(parts),)
+        question = f"{question}_value_and_gradient"
+        rows = _arrays.answer(self._model, question, *arguments, width=width)
+        return rows[..., 0][()], _gradients.split(rows[..., 1:], parts)
 
     def bounds(self, o: ArrayLike, d: ArrayLike, t: ArrayLike) -> tuple[Result, Result]:
         """(inf, sup) of the density on the segment of length `t` >= 0, which may be infinite.

@@ -1,6 +1,7 @@
 //! Questions to a medium: a sum of profiles, in one or more channels.
 
 use super::array::Array;
+use super::profile::RAY_DERIVATIVES;
 use super::query::{
     self, Model, RecordedModel, argument_check, argument_type, argument_value, queries,
 };
@@ -125,6 +126,31 @@ pub unsafe extern "C" fn am_medium_check(medium: *const AmMedium) -> AmStatus {
     })
 }
 
+/// Number of derivatives of an optical depth: by the coefficient and the values of the parameters
+/// of each component, by origin, direction and distance.
+///
+/// # Safety
+/// `medium` points to one struct, and its arrays have the lengths that it says; `size` points to
+/// one number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn am_medium_gradient_size(
+    medium: *const AmMedium,
+    size: *mut usize,
+) -> AmStatus {
+    guard(|| {
+        // SAFETY: promised by the caller.
+        let (profiles, _) = unsafe { arg::reference(medium, "medium") }?.parts()?;
+        arg::output(size, 1, "size")?;
+        let mut sum = RAY_DERIVATIVES;
+        for profile in profiles {
+            sum += 1 + profile.kind()?.size();
+        }
+        // SAFETY: not null.
+        unsafe { *size = sum };
+        Ok(())
+    })
+}
+
 queries! { AmMedium, AmMediumNodes;
     /// Attenuation coefficient at a point, 1/length, one per channel.
     ///
@@ -214,6 +240,56 @@ queries! { AmMedium, AmMediumNodes;
     [check_channel(channel, medium.n_channels)?;] results => {
         let ray = Ray { origin, direction };
         results.push(sampling::free_flight(medium, channel, &ray, t_max, tau));
+    }
+
+    /// Optical depth, and its derivatives by everything that it depends on: one row of numbers
+    /// per channel.
+    ///
+    /// First the optical depth; then, for each component, its derivatives by the attenuation
+    /// coefficient of the component in this channel and by the values of the parameters of its
+    /// profile, in the order of `am_profile.values`; then by the three components of the
+    /// origin, by those of the direction, and by `t`: 1 + `am_medium_gradient_size` numbers in
+    /// all. The optical depth does not depend on the coefficients of other channels.
+    ///
+    /// The direction counts as a free vector, see `am_profile_column_value_and_gradient_f64`.
+    /// All derivatives are 0 where the optical depth is infinite.
+    ///
+    /// # Safety
+    /// `medium` points to one struct, `origin` and `direction` to three numbers,
+    /// `value_and_gradient` to a row per channel.
+    am_medium_optical_depth_value_and_gradient_f64 am_medium_optical_depth_value_and_gradient_f32
+    am_medium_optical_depth_value_and_gradient_batch_f64
+    am_medium_optical_depth_value_and_gradient_batch_f32
+    am_medium_optical_depth_value_and_gradient_record
+    |medium: Medium, origin: point, direction: point, t: number| -> (value_and_gradient)
+    [] results => {
+        let ray = Ray { origin, direction };
+        for (value, gradient) in medium.optical_depth_value_and_gradient(&ray, t) {
+            results.push(value);
+            results.extend(gradient.row());
+        }
+    }
+
+    /// Free flight, and its derivatives: a row as that of
+    /// `am_medium_optical_depth_value_and_gradient_f64` for `channel` alone, whose last number
+    /// is the derivative by `tau`. By the implicit function theorem; all are 0 where there is
+    /// no collision. On `t_max` the distance of a collision does not depend.
+    ///
+    /// # Safety
+    /// `medium` points to one struct, `origin` and `direction` to three numbers,
+    /// `value_and_gradient` to one row.
+    am_medium_free_flight_value_and_gradient_f64 am_medium_free_flight_value_and_gradient_f32
+    am_medium_free_flight_value_and_gradient_batch_f64
+    am_medium_free_flight_value_and_gradient_batch_f32
+    am_medium_free_flight_value_and_gradient_record
+    |medium: Medium, channel: index, origin: point, direction: point, t_max: number, tau: number|
+        -> (value_and_gradient)
+    [check_channel(channel, medium.n_channels)?;] results => {
+        let ray = Ray { origin, direction };
+        let (value, gradient) =
+            sampling::free_flight_value_and_gradient(medium, channel, &ray, t_max, tau);
+        results.push(value);
+        results.extend(gradient.row());
     }
 
     /// Density of the distance `t` as a free flight, 1/length, one per channel: attenuation

@@ -25,6 +25,9 @@ pub struct AmProfileNodes {
     pub values: [AmNode; AM_PROFILE_VALUES],
 }
 
+/// Derivatives by origin, direction and the last argument.
+pub(super) const RAY_DERIVATIVES: usize = 7;
+
 impl Model for AmProfile {
     type In<R: Real> = AnyProfile<R>;
 
@@ -54,6 +57,26 @@ impl RecordedModel for AmProfileNodes {
     unsafe fn nodes<'h>(&self, host: &'h AmHostTable) -> Result<AnyProfile<Node<'h>>, Failure> {
         self.lift(host)
     }
+}
+
+/// Number of derivatives of a column: by the values of the parameters of `profile`, by origin,
+/// direction and distance.
+///
+/// # Safety
+/// `profile` points to one struct, `size` to one number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn am_profile_gradient_size(
+    profile: *const AmProfile,
+    size: *mut usize,
+) -> AmStatus {
+    guard(|| {
+        // SAFETY: promised by the caller.
+        let kind = unsafe { arg::reference(profile, "profile") }?.kind()?;
+        arg::output(size, 1, "size")?;
+        // SAFETY: not null.
+        unsafe { *size = kind.size() + RAY_DERIVATIVES };
+        Ok(())
+    })
 }
 
 queries! { AmProfile, AmProfileNodes;
@@ -88,6 +111,47 @@ queries! { AmProfile, AmProfileNodes;
     am_profile_inv_column_batch_f64 am_profile_inv_column_batch_f32 am_profile_inv_column_record
     |profile: AnyProfile, origin: point, direction: point, column: number| -> (t)
     [] results => { results.push(profile.inv_column(&Ray { origin, direction }, column)); }
+
+    /// The column, and its derivatives by everything that it depends on: one row of numbers.
+    ///
+    /// First the column; then its derivatives by the values of the parameters, in the order of
+    /// `am_profile.values`, by the three components of the origin, by those of the direction,
+    /// and by `t`: 1 + `am_profile_gradient_size` numbers in all.
+    ///
+    /// The direction counts as a free vector: the derivatives are those of the integral of the
+    /// density over `origin + s direction`, 0 ≤ s ≤ `t`. All are 0 where the column is infinite.
+    ///
+    /// # Safety
+    /// `profile` points to one struct, `origin` and `direction` to three numbers,
+    /// `value_and_gradient` to as many as there are in a row.
+    am_profile_column_value_and_gradient_f64 am_profile_column_value_and_gradient_f32
+    am_profile_column_value_and_gradient_batch_f64 am_profile_column_value_and_gradient_batch_f32
+    am_profile_column_value_and_gradient_record
+    |profile: AnyProfile, origin: point, direction: point, t: number| -> (value_and_gradient)
+    [] results => {
+        let (value, gradient) = profile.column_value_and_gradient(&Ray { origin, direction }, t);
+        results.push(value);
+        results.extend(gradient.row());
+    }
+
+    /// The distance at which the ray has gathered `column`, and its derivatives: a row as that
+    /// of `am_profile_column_value_and_gradient_f64`, whose last number is the derivative by
+    /// `column`. By the implicit function theorem; all are 0 where the distance is infinite, and
+    /// where there is no matter at that distance.
+    ///
+    /// # Safety
+    /// As for `am_profile_column_value_and_gradient_f64`.
+    am_profile_inv_column_value_and_gradient_f64 am_profile_inv_column_value_and_gradient_f32
+    am_profile_inv_column_value_and_gradient_batch_f64
+    am_profile_inv_column_value_and_gradient_batch_f32
+    am_profile_inv_column_value_and_gradient_record
+    |profile: AnyProfile, origin: point, direction: point, column: number| -> (value_and_gradient)
+    [] results => {
+        let ray = Ray { origin, direction };
+        let (value, gradient) = profile.inv_column_value_and_gradient(&ray, column);
+        results.push(value);
+        results.extend(gradient.row());
+    }
 
     /// Infimum and supremum of the density on the segment of length `t`, which may be
     /// infinite. True bounds: they are widened by the rounding error.

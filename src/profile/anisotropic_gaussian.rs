@@ -6,10 +6,17 @@
 //! coordinates w the profile is the isotropic one, see [`super::gaussian`], and so are its
 //! errors.
 //!
+//! In them N has the derivatives of (4) of [`super::gradient`], with ρ′/r = −ρ; with
+//! bₖ = aₖ/|aₖ|², those of w(0) and of dw/ds give
+//!
+//!     ∂N/∂o = Σ bₖ ∂N/∂wₖ,   ∂N/∂bₖ = (o − c) ∂N/∂wₖ + d ∂N/∂w′ₖ,
+//!     ∂N/∂aₖ = (∂N/∂bₖ − 2 aₖ (bₖ · ∂N/∂bₖ))/|aₖ|²                        (2)
+//!
 //! Boxes are bounded by what they span along each axis and by their distance from the centre
 //! over the greatest standard deviation: exact for axes along those of the coordinates, true
 //! bounds for all.
 
+use super::gradient::{Gradient, Parameters, Pull, across, around};
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::{Ray, Vector, climb, dot, norm};
@@ -99,6 +106,39 @@ impl<R: Real> Profile<R> for AnisotropicGaussian<R> {
 
     fn column(&self, ray: &Ray<R>, t: R) -> R {
         self.bell(ray).column(t)
+    }
+
+    /// (2)
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let from_center = std::array::from_fn(|i| ray.origin[i] - self.center[i]);
+        let (w, e) = (self.along_axes(from_center), self.along_axes(ray.direction));
+        let bell = Bell::standard(w, e);
+        let moments = bell.moments(t);
+        // In units of the standard deviation ρ′/r = −ρ; here −2κ² ρ = −|e|² ρ.
+        let speed = norm(e);
+        let unit = e.map(|x| x / speed);
+        let by_standard = Pull::of_bell(bell.rate, &moments)
+            .by_ray(across(w, unit), e)
+            .map(|by| by.map(|x| x / speed / speed));
+
+        let axes = self.inverse_axes;
+        let by_ray = by_standard
+            .map(|by| std::array::from_fn(|i| dot([axes[0][i], axes[1][i], axes[2][i]], by)));
+        let [by_w, by_e] = by_standard;
+        let by_axes = std::array::from_fn::<_, 3, _>(|k| {
+            let inverse = axes[k];
+            let by: Vector<R> =
+                std::array::from_fn(|i| from_center[i] * by_w[k] + ray.direction[i] * by_e[k]);
+            // 1/|a|² = |b|², and a/|a|² = b.
+            let square = dot(inverse, inverse);
+            let twice = dot(inverse, by) + dot(inverse, by);
+            by.map(|x| x * square)
+                .into_iter()
+                .zip(inverse)
+                .map(move |(x, b)| x - b * twice)
+        });
+        let shape: Parameters<R> = by_axes.into_iter().flatten().collect();
+        around(moments.column, by_ray, &shape, moments.density)
     }
 
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {

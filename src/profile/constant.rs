@@ -4,6 +4,7 @@
 //!     N(t) = t                                                       (26)
 //!     t(N) = N                                                       (27)
 
+use super::gradient::Gradient;
 use super::{Parameter, Profile};
 use crate::error::Error;
 use crate::geometry::{Ray, Vector};
@@ -35,6 +36,18 @@ impl<R: Real> Profile<R> for Constant {
     /// (26), exact.
     fn column(&self, _: &Ray<R>, t: R) -> R {
         t
+    }
+
+    /// ∂N/∂t = 1, and nothing else matters.
+    fn column_value_and_gradient(&self, _: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let (zero, one) = (t.lit(0.0), t.lit(1.0));
+        let gradient = Gradient {
+            parameters: [].into_iter().collect(),
+            origin: [zero; 3],
+            direction: [zero; 3],
+            last: one,
+        };
+        (t, gradient.of(t))
     }
 
     /// (27), exact.

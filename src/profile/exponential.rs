@@ -13,15 +13,23 @@
 //!
 //!     t(N) = (H/|μ|) (ln(|μ| N/H) + h₀/H)                            (35, for y → −∞)
 //!
+//! With M = ∫ s ρ ds and M′ likewise from the denser end, x = |μ| t/H,
+//!
+//!     M′ = ρ t² φ₁(x),   M = M′ or t N − M′,   φ₁ = −φ′                      (37)
+//!     ∂N/∂H = (h N + |μ| M′)/H²,   ∂N/∂o = −up N/H,   ∂N/∂d = −up M/H        (38)
+//!
+//! with ρ and h at the denser end.
+//!
 //! Relative error, times the condition of h/H: below 8e-16 (f64), 6e-7 (f32).
 //! The article's listing of (34) has the wrong sign of the height and drops it for
 //! horizontal rays; see `docs/accuracy.md`.
 
+use super::gradient::Gradient;
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::{Plane, Ray, Vector, climb};
 use crate::real::{Real, either};
-use crate::special::rel::{phi, psi};
+use crate::special::rel::{phi, phi_moment, psi};
 use glam::DVec3;
 
 /// ρ(h) = exp(−`falloff` h), h the altitude above `plane`.
@@ -130,6 +138,49 @@ impl<R: Real> Profile<R> for Exponential<R> {
         let scale = one / R::select(ascends, rate, one);
         let endless = R::select(ascends, densest * scale, infinity);
         R::select(finite, column, endless)
+    }
+
+    /// (34), (37) and (38): two exponentials, as many as (34) alone.
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let (zero, one, infinity) = (t.lit(0.0), t.lit(1.0), t.lit(f64::INFINITY));
+        let (start, end) = self.plane.ends(ray, t);
+        let n = self.falloff;
+        let rate = self.plane.cos_zenith(ray.direction) * n;
+        let descends = rate.lt(zero);
+        let lower = R::select(descends, end, start);
+        let densest = self.at(lower);
+        let decay = R::select(descends, -rate, rate);
+
+        let finite = t.is_bounded();
+        let length = R::select(finite, t, zero);
+        let relative = phi_moment(decay * length);
+        let effective = length * relative.phi;
+        let some = zero.lt(effective);
+        let inner = R::select(some, densest, zero);
+        let moment = length * (length * relative.moment);
+        let other = length * (length * (relative.phi - relative.moment));
+
+        let ascends = zero.lt(rate);
+        let scale = one / R::select(ascends, rate, one);
+        let endless = R::select(ascends, densest * scale, infinity);
+        let value = R::select(finite, inner * effective, endless);
+        let from_below = R::select(finite, inner * moment, endless * scale);
+        let from_start = R::select(descends, inner * other, from_below);
+
+        let last = R::select(descends, densest, densest * relative.exp);
+        let (column, moment) = (n * value, n * from_start);
+        let up = self.plane.up;
+        let by_up = |i: usize| -(ray.origin[i] * column + ray.direction[i] * moment);
+        let by_height = n * (lower * column + decay * from_below);
+        let gradient = Gradient {
+            parameters: [by_up(0), by_up(1), by_up(2), column, by_height]
+                .into_iter()
+                .collect(),
+            origin: up.map(|x| -(x * column)),
+            direction: up.map(|x| -(x * moment)),
+            last: R::select(finite, last, zero),
+        };
+        (value, gradient.of(value))
     }
 
     /// (35)

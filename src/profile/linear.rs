@@ -13,8 +13,15 @@
 //! density reaches zero before the ray has gathered N. The article's root (b − √…)/m
 //! cancels for small m.
 //!
+//! Of the segment the part S = t (b₊ + e₊)/(|b| + |e|) has matter, with its middle at s̄, and
+//!
+//!     ∂N/∂k = S,   ∂N/∂a = S h(s̄),   ∂N/∂o = a S up,   ∂N/∂d = a S s̄ up     (32)
+//!
+//! for the density is 0 at the ends that the clamp makes.
+//!
 //! Relative error, times the condition of k + a h: below 6e-16 (f64), 4e-7 (f32).
 
+use super::gradient::Gradient;
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::{Plane, Ray, Vector, climb};
@@ -114,6 +121,41 @@ impl<R: Real> Profile<R> for Linear<R> {
         let grows = zero.lt(m) | zero.lt(b);
         let endless = R::select(thins, triangle, R::select(grows, infinity, zero));
         R::select(finite, t * mean, endless)
+    }
+
+    /// (30) and (32)
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let value = self.column(ray, t);
+        let (b, m) = self.along(ray);
+        let (zero, half, one) = (t.lit(0.0), t.lit(0.5), t.lit(1.0));
+        let finite = t.is_bounded();
+        let t = R::select(finite, t, zero);
+        let e = m.mul_add(t, b);
+        let span = b.abs() + e.abs();
+        let some = zero.lt(span);
+        let part = (b.max(zero) + e.max(zero)) / R::select(some, span, one);
+        let thins = m.lt(zero);
+        let endless = b.max(zero) / R::select(thins, -m, one);
+        let length = R::select(finite, t * part, endless);
+
+        let behind = half * length;
+        let middle = R::select(b.lt(zero), t - behind, behind);
+        let (a, up) = (self.gradient, self.plane.up);
+        let slope = a * length;
+        let moment = slope * middle;
+        let point = |i: usize| ray.origin[i] * slope + ray.direction[i] * moment;
+        let mean = self.plane.altitude(ray.origin) + self.plane.cos_zenith(ray.direction) * middle;
+        let gradient = Gradient {
+            parameters: [0, 1, 2]
+                .map(point)
+                .into_iter()
+                .chain([-slope, mean * length, length])
+                .collect(),
+            origin: up.map(|x| x * slope),
+            direction: up.map(|x| x * moment),
+            last: R::select(finite, e.max(zero), zero),
+        };
+        (value, gradient.of(value))
     }
 
     /// (31)

@@ -1,7 +1,8 @@
 //! Where the matter is: relative density along rays, in closed form.
 //!
 //! A profile answers four questions, in this order: `density`, `column`, `inv_column`,
-//! `bounds`; the first at a point and along a ray, the last on a segment and in a box.
+//! `bounds`; the first at a point and along a ray, the second also with its derivatives, the
+//! last on a segment and in a box.
 //! Spectra never enter a profile. The list of profiles stands here, once: to add one, write
 //! its file, and add a line to `profiles!` below.
 
@@ -9,6 +10,7 @@ pub mod anisotropic_gaussian;
 pub mod constant;
 pub mod exponential;
 pub mod gaussian;
+pub mod gradient;
 pub mod linear;
 pub mod radial_gaussian;
 pub mod spherical;
@@ -17,6 +19,7 @@ pub mod tent;
 use crate::error::Error;
 use crate::geometry::{Ray, Vector};
 use crate::real::Real;
+use gradient::Gradient;
 
 /// The questions. Distances and columns are lengths ≥ 0 and may be infinite.
 pub trait Profile<R: Real> {
@@ -40,6 +43,15 @@ pub trait Profile<R: Real> {
     /// Whether `inv_column` is in closed form.
     fn closed_inverse(&self) -> bool {
         true
+    }
+
+    /// N(t), and its derivatives by parameters, ray and `t`: see [`gradient`].
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>);
+
+    /// `inv_column`, and its derivatives by parameters, ray and `column`.
+    fn inv_column_value_and_gradient(&self, ray: &Ray<R>, column: R) -> (R, Gradient<R>) {
+        let t = self.inv_column(ray, column);
+        gradient::of_inverse(t, |t| self.column_value_and_gradient(ray, t))
     }
 
     /// Infimum and supremum of the density on a segment of length `t`. True bounds: the
@@ -157,6 +169,9 @@ macro_rules! profiles {
             }
             fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
                 match self { $( Self::$Profile(p) => p.inv_column(ray, column), )* }
+            }
+            fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+                match self { $( Self::$Profile(p) => p.column_value_and_gradient(ray, t), )* }
             }
             fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
                 match self { $( Self::$Profile(p) => p.guess_inv_column(ray, column), )* }

@@ -8,9 +8,15 @@
 //! so there is no normalisation e^(R/2H) that would overflow, and what [`crate::geometry::planet`]
 //! says of the precision of altitudes holds here.
 //!
+//! Its derivatives are moments of it, from the exponentials of the column itself: ρ′/r = −ρ/(RH)
+//! in (4) of [`super::gradient`], and with E the exponent in (1)
+//!
+//!     ∂N/∂H = ∫E ρ ds/H,   ∂N/∂R = N/H + ∫E ρ ds/R                           (2)
+//!
 //! Relative error of the column, times the condition of the exponent: below 2e-14 (f64),
 //! 6e-7 (f32).
 
+use super::gradient::{Gradient, Pull, around, to_perigee};
 use super::{Parameter, Profile};
 use crate::error::Error;
 use crate::geometry::planet::Sphere;
@@ -91,6 +97,20 @@ impl<R: Real> Profile<R> for RadialGaussian<R> {
 
     fn column(&self, ray: &Ray<R>, t: R) -> R {
         self.bell(ray).column(t)
+    }
+
+    /// (2), and (4) of [`super::gradient`].
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let bell = self.bell(ray);
+        let moments = bell.moments(t);
+        let n = self.falloff;
+        let by_ray = Pull::of_bell(bell.rate, &moments)
+            .by_ray(to_perigee(self.sphere.center, ray), ray.direction);
+        let shape = [
+            moments.column * n + moments.exponent / self.sphere.radius,
+            moments.exponent * n,
+        ];
+        around(moments.column, by_ray, &shape, moments.density)
     }
 
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {

@@ -11,6 +11,11 @@
 //! there is no switch between formulas. The article's difference of two Chapman functions is
 //! wrong by up to 100 % for 10 m above Earth, in single precision.
 //!
+//! Its derivatives are made of further integrals over the same pieces, with the exponentials of
+//! (1): ρ′/r = −ρ/(Hr) and ρ′ x/r = ∂ρ/∂s in (4) of [`super::gradient`], and
+//!
+//!     ∂N/∂R = N/H,   ∂N/∂H = ∫hρ ds/H²                                (3)
+//!
 //! The inverse is an iteration. It starts where g of A is taken for its value at the start,
 //!
 //!     N(t) ≈ H ρ(h₀) g(a) √π/2 (erfcx(√a) − e^(−Y) erfcx(√(a+Y)))     (2)
@@ -24,13 +29,14 @@
 //! whole column there.
 
 use super::exponential::between;
+use super::gradient::{Gradient, Pull, around, at_end, to_perigee};
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Sphere};
 use crate::geometry::{Ray, Vector};
-use crate::real::{Real, either};
+use crate::real::{Real, either, either_each};
 use crate::solve;
-use crate::special::arc::arc;
+use crate::special::arc::{Moments, arc, moments};
 use crate::special::rel::psi;
 use crate::special::tail;
 use std::f64::consts::FRAC_2_SQRT_PI;
@@ -75,8 +81,8 @@ impl<R: Real> Spherical<R> {
         (-(altitude * self.falloff)).exp()
     }
 
-    /// (1) for the ray that the centre sees as `passage`.
-    fn gathered(&self, passage: &Passage<R>, t: R) -> R {
+    /// The pieces of the segment of length `t`.
+    fn cut(&self, passage: &Passage<R>, t: R) -> Cut<R> {
         let (zero, infinity) = (t.lit(0.0), t.lit(f64::INFINITY));
         // From there on, nothing is left to gather.
         let far = t.lit(1e3) * (passage.radius + t.lit(1.0) / self.falloff);
@@ -96,20 +102,42 @@ impl<R: Real> Spherical<R> {
 
         let depth = passage.depth();
         let drop = R::select(turns, depth, R::select(falls, -rise, zero)).max(zero);
-        let start = R::select(falls, above, R::select(turns, zero, depth));
-        let range = R::select(turns, depth, rise.abs());
+        Cut {
+            start: R::select(falls, above, R::select(turns, zero, depth)),
+            range: R::select(turns, depth, rise.abs()),
+            above: R::select(turns, above, zero),
+            altitude: passage.altitude - drop,
+            turns,
+            falls,
+        }
+    }
+
+    /// (1) for the ray that the centre sees as `passage`.
+    fn gathered(&self, passage: &Passage<R>, t: R) -> R {
+        let zero = t.lit(0.0);
+        let cut = self.cut(passage, t);
         let n = self.falloff;
         let perigee = passage.perigee * n;
-        let gathered = arc(perigee, start * n, range * n)
-            + either(
-                turns,
-                || arc(perigee, zero, R::select(turns, above * n, zero)),
-                || zero,
-            );
-        let inner = self.at(passage.altitude - drop);
+        let gathered = arc(perigee, cut.start * n, cut.range * n)
+            + either(cut.turns, || arc(perigee, zero, cut.above * n), || zero);
+        let inner = self.at(cut.altitude);
         let some = zero.lt(gathered);
         R::select(some, inner, zero) * R::select(some, gathered, zero) / n
     }
+}
+
+/// A segment in pieces that lead outwards: one, or two where it `turns` at its perigee.
+struct Cut<R: Real> {
+    /// Height above the perigee of the inner end of the first piece, and how much the piece rises.
+    start: R,
+    range: R,
+    /// How much the second piece rises from the perigee; 0 if there is none.
+    above: R,
+    /// Altitude of the inner end of both.
+    altitude: R,
+    turns: R::Mask,
+    /// The one piece leads inwards.
+    falls: R::Mask,
 }
 
 /// Height above the perigee at the distance `along` from it and `radius` from the centre.
@@ -138,6 +166,60 @@ impl<R: Real> Profile<R> for Spherical<R> {
     /// (1)
     fn column(&self, ray: &Ray<R>, t: R) -> R {
         self.gathered(&self.sphere.passage(ray), t)
+    }
+
+    /// (1), (3), and (4) of [`super::gradient`].
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let passage = self.sphere.passage(ray);
+        let cut = self.cut(&passage, t);
+        let (zero, n) = (t.lit(0.0), self.falloff);
+        let perigee = passage.perigee * n;
+        let first = moments(perigee, cut.start * n, cut.range * n);
+        let second = either_each(
+            cut.turns,
+            || moments(perigee, zero, cut.above * n),
+            || [zero; 6],
+        );
+
+        // The inner ends of both pieces lie here; the first leads back from there.
+        let from = R::select(
+            cut.turns,
+            -passage.along,
+            R::select(cut.falls, at_end(t, |t| t), zero),
+        ) * n;
+        let inwards = cut.turns | cut.falls;
+        let back = |x: R| R::select(inwards, -x, x);
+        let [column, height, inverse, lever, fall, fall_lever] = first;
+        let first = [
+            column,
+            height,
+            inverse,
+            from * inverse + back(lever),
+            back(fall),
+            back(from * fall) + fall_lever,
+        ];
+        let [column, height, inverse, lever, fall, fall_lever] = second;
+        let second = [
+            column,
+            height,
+            inverse,
+            from * inverse + lever,
+            fall,
+            from * fall + fall_lever,
+        ];
+        let sums: Moments<R> = std::array::from_fn(|k| first[k] + second[k]);
+        let [column, height, inverse, lever, fall, fall_lever] = sums;
+
+        let inner = R::select(zero.lt(column), self.at(cut.altitude), zero);
+        let height = cut.altitude * n * column + height;
+        let value = inner * column / n;
+        let pull = Pull {
+            across: [-(inner * inverse * n), -(inner * lever)],
+            along: [-(inner * fall), -(inner * fall_lever / n)],
+        };
+        let by_ray = pull.by_ray(to_perigee(self.sphere.center, ray), ray.direction);
+        let last = at_end(t, |t| self.at(passage.altitude + passage.rise(t)));
+        around(value, by_ray, &[inner * column, inner * height], last)
     }
 
     /// (1), inverted by iteration from (2).

@@ -13,12 +13,21 @@
 //! of the two asinh(x/p) of the textbook form, whose large terms (2) has without. Lengths come
 //! from climbs, s = Δ(r₁ + r₂)/(x₁ + √(x₁² + Δ(r₁ + r₂))).
 //!
+//! Its derivatives are lengths and angles of these parts, for ρ′ = ±1/w in (4) of
+//! [`super::gradient`]: with the distance δ from the start of a part,
+//!
+//!     ∫ ds/r = 2 artanh u,   ∫ δ ds/r = u (s − 2 x₁ u² L(u))              (3)
+//!     ∂N/∂R = ∂N/∂h_c = (S₊ − S₋)/w,   ∂N/∂w = (S₊ + S₋ − N)/w            (4)
+//!
+//! S₋ and S₊ being the lengths below and above h_c.
+//!
 //! The inverse is not closed: the bracketed iteration of `solve` finds it between the two distances of those at
 //! which the ray crosses the edges and the top of the layer, from the parabola through them.
 //!
 //! Relative error of the column, times the condition of (h − h_c)/w: below 1e-15 (f64),
 //! 6e-7 (f32).
 
+use super::gradient::{Gradient, Pull, around, at_end, to_perigee};
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Piece, Sphere};
@@ -63,41 +72,93 @@ pub(super) fn from_values<R: Real>(values: &[R]) -> Tent<R> {
     }
 }
 
-/// (s, ∫ (r − r₁) ds) of the part of a piece between the altitudes `low` and `high`, by (2);
-/// `joins` another part at `low`.
-fn part<R: Real>(piece: &Piece<R>, low: R, high: R, joins: bool) -> (R, R) {
-    let (zero, one) = (low.lit(0.0), low.lit(1.0));
-    let least = low.lit(if low.digits() <= 24 { 1e-37 } else { 1e-300 });
-    let root = |square: R| square.max(least).sqrt();
-    // Altitudes round by more than a short climb measures: its parts must add up to it.
-    let from = (low - piece.altitude).max(zero);
-    let below = piece.outer.le(high);
-    let whole = below & low.le(piece.altitude);
-    let short = if joins {
-        below & piece.climb.lt(high - low)
-    } else {
-        whole
-    };
-    let clipped = (piece.outer.min(high) - piece.altitude.max(low)).min(piece.climb);
-    let climb = R::select(whole | short, piece.climb - from, clipped);
-    let some = zero.lt(climb) & low.lt(piece.outer);
-    let climb = R::select(some, climb, zero);
-    let inner = R::select(some, piece.radius, one);
-    let along = R::select(some, piece.along, one);
-    let perigee = R::select(some, piece.perigee, zero);
-    let from = R::select(some, from, zero);
+/// The part of a piece between two altitudes.
+struct Part<R> {
+    /// s
+    length: R,
+    /// ∫ (r − r₁) ds, by (2).
+    bend: R,
+    /// Δ
+    climb: R,
+    /// x₁
+    along: R,
+    /// Distance of its start from that of the piece.
+    offset: R,
+    /// u and L(u).
+    u: R,
+    rest: R,
+}
 
-    let r1 = inner + from;
-    let x1 = root(along.mul_add(along, from * (inner + r1)));
-    let sum = r1 + r1 + climb;
-    let square = climb * sum;
-    let s = square / (x1 + root(x1.mul_add(x1, square)));
+impl<R: Real> Part<R> {
+    /// The part between the altitudes `low` and `high`; `joins` another part at `low`.
+    fn of(piece: &Piece<R>, low: R, high: R, joins: bool) -> Self {
+        let (zero, one) = (low.lit(0.0), low.lit(1.0));
+        let least = low.lit(if low.digits() <= 24 { 1e-37 } else { 1e-300 });
+        let root = |square: R| square.max(least).sqrt();
+        // Altitudes round by more than a short climb measures: its parts must add up to it.
+        let from = (low - piece.altitude).max(zero);
+        let below = piece.outer.le(high);
+        let whole = below & low.le(piece.altitude);
+        let short = if joins {
+            below & piece.climb.lt(high - low)
+        } else {
+            whole
+        };
+        let clipped = (piece.outer.min(high) - piece.altitude.max(low)).min(piece.climb);
+        let climb = R::select(whole | short, piece.climb - from, clipped);
+        let some = zero.lt(climb) & low.lt(piece.outer);
+        let climb = R::select(some, climb, zero);
+        let inner = R::select(some, piece.radius, one);
+        let along = R::select(some, piece.along, one);
+        let perigee = R::select(some, piece.perigee, zero);
+        let from = R::select(some, from, zero);
 
-    let u = (s / sum).min(one);
-    let rest = r1.mul_add(sum, x1 * s) * ((one + one) / (sum * sum));
-    let rest = rest.max(least);
-    let bent = (perigee * u) * (perigee * u) * (u * (one / rest - artanh_rest(u, rest)));
-    (s, (from.lit(0.5) * s * climb - bent).max(zero))
+        let r1 = inner + from;
+        let before = from * (inner + r1);
+        let x1 = root(along.mul_add(along, before));
+        let sum = r1 + r1 + climb;
+        let square = climb * sum;
+        let s = square / (x1 + root(x1.mul_add(x1, square)));
+
+        let u = (s / sum).min(one);
+        let rest = r1.mul_add(sum, x1 * s) * ((one + one) / (sum * sum));
+        let rest = rest.max(least);
+        let artanh = artanh_rest(u, rest);
+        let bent = (perigee * u) * (perigee * u) * (u * (one / rest - artanh));
+        Self {
+            length: s,
+            bend: (from.lit(0.5) * s * climb - bent).max(zero),
+            climb,
+            along: x1,
+            offset: before / (along + x1),
+            u,
+            rest: artanh,
+        }
+    }
+
+    /// (3)
+    fn angles(&self) -> [R; 2] {
+        let two = self.u.lit(2.0);
+        let bent = self.u * self.u * self.rest;
+        let angle = two * (self.u + self.u * bent);
+        let lever = self.u * (self.length - two * self.along * bent);
+        [angle, lever]
+    }
+
+    /// ∫ρ′/r ds, ∫s ρ′/r ds, ∫ρ′ x/r ds and ∫s ρ′ x/r ds times w/ρ′, where the piece starts at
+    /// the distance `from` and leads back where `inwards`.
+    fn pull(&self, from: R, inwards: R::Mask) -> [R; 4] {
+        let back = |x: R| R::select(inwards, -x, x);
+        let start = from + back(self.offset);
+        let [angle, lever] = self.angles();
+        let fall = self.length * self.climb - self.bend;
+        [
+            angle,
+            start * angle + back(lever),
+            back(self.climb),
+            start * back(self.climb) + fall,
+        ]
+    }
 }
 
 /// L(u) of (2), where `rest` = 1 − u².
@@ -153,19 +214,25 @@ impl<R: Real> Tent<R> {
         (R::select(endless, zero, inf.max(zero)), sup)
     }
 
-    /// The column of a piece that leads outwards.
-    fn gathered(&self, piece: &Piece<R>) -> R {
+    /// The parts of a piece that leads outwards, below and above the peak, and their columns.
+    fn parts(&self, piece: &Piece<R>) -> [(Part<R>, R); 2] {
         let (zero, one) = (piece.altitude.lit(0.0), piece.altitude.lit(1.0));
         let (bottom, top) = (self.height - self.width, self.height + self.width);
 
-        let (s, bend) = part(piece, bottom, self.height, false);
+        let below = Part::of(piece, bottom, self.height, false);
         let start = (piece.altitude - bottom).max(zero) / self.width;
-        let lower = start * s + bend / self.width;
+        let lower = start * below.length + below.bend / self.width;
 
-        let (s, bend) = part(piece, self.height, top, true);
+        let above = Part::of(piece, self.height, top, true);
         let start = one - (piece.altitude - self.height).max(zero) / self.width;
-        let upper = start * s - bend / self.width;
-        lower + upper.max(zero)
+        let upper = start * above.length - above.bend / self.width;
+        [(below, lower), (above, upper.max(zero))]
+    }
+
+    /// The column of a piece that leads outwards.
+    fn gathered(&self, piece: &Piece<R>) -> R {
+        let [(_, lower), (_, upper)] = self.parts(piece);
+        lower + upper
     }
 
     fn column_of(&self, passage: &Passage<R>, t: R) -> R {
@@ -241,6 +308,47 @@ impl<R: Real> Profile<R> for Tent<R> {
 
     fn column(&self, ray: &Ray<R>, t: R) -> R {
         self.column_of(&self.sphere.passage(ray), t)
+    }
+
+    /// (4), and (4) of [`super::gradient`].
+    fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
+        let passage = self.sphere.passage(ray);
+        let (first, second, turns) = passage.pieces(t);
+        let (zero, one) = (t.lit(0.0), t.lit(1.0));
+        let inwards = passage.along.lt(zero);
+        // The inner ends of both pieces lie here; the first leads back from there.
+        let from = R::select(
+            turns,
+            -passage.along,
+            R::select(inwards, at_end(t, |t| t), zero),
+        );
+        let (mut value, mut rising, mut falling) = (zero, zero, zero);
+        let mut pull = [zero; 4];
+        for (piece, exists, inwards) in [
+            (first, !turns | turns, inwards),
+            (second, turns, !turns & turns),
+        ] {
+            let [(below, lower), (above, upper)] = self.parts(&piece);
+            let add = |sum: &mut R, x: R| *sum = *sum + R::select(exists, x, zero);
+            add(&mut value, lower + upper);
+            add(&mut rising, below.length);
+            add(&mut falling, above.length);
+            let (below, above) = (below.pull(from, inwards), above.pull(from, inwards));
+            for (sum, (below, above)) in pull.iter_mut().zip(below.into_iter().zip(above)) {
+                add(sum, below - above);
+            }
+        }
+        let slope = one / self.width;
+        let [across, across_lever, along, along_lever] = pull.map(|x| x * slope);
+        let pull = Pull {
+            across: [across, across_lever],
+            along: [along, along_lever],
+        };
+        let by_ray = pull.by_ray(to_perigee(self.sphere.center, ray), ray.direction);
+        let higher = (falling - rising) * slope;
+        let wider = (rising + falling - value) * slope;
+        let last = at_end(t, |t| self.slopes(&passage, t).0);
+        around(value, by_ray, &[higher, higher, wider], last)
     }
 
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {

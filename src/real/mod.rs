@@ -118,6 +118,22 @@ pub(crate) fn either<R: Real>(mask: R::Mask, a: impl FnOnce() -> R, b: impl FnOn
     }
 }
 
+/// [`either`] for several numbers.
+pub(crate) fn either_each<R: Real, const M: usize>(
+    mask: R::Mask,
+    a: impl FnOnce() -> [R; M],
+    b: impl FnOnce() -> [R; M],
+) -> [R; M] {
+    match mask.uniform() {
+        Some(true) => a(),
+        Some(false) => b(),
+        None => {
+            let (a, b) = (a(), b());
+            std::array::from_fn(|i| R::select(mask, a[i], b[i]))
+        }
+    }
+}
+
 /// Polynomial with `coefficients` in ascending powers, by Horner's rule.
 pub(crate) fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
     let (last, rest) = coefficients

@@ -16,9 +16,20 @@
 //!
 //! s being the distance from the perigee, M₀ = s and M₁ = (s r + p² artanh(s/r))/2; beyond it
 //! they have (1) from r₀ = 1. Short pieces of a core, Y ≤ (a + 2p)/4, have (1) as well.
+//!
+//! The derivatives of columns are made of further integrals of e^(−y), which have the
+//! exponentials of (1) in common: with the factors y, 1/r (g without w + p, since ds = g d√w),
+//! and with the distance δ from the inner end, which is y (w + a + 2p) over the sum of the two
+//! distances from the perigee.
 
-use super::decay::decay;
-use crate::real::{Real, either};
+use super::decay::{decay, decay_each};
+use super::rel::phi;
+use crate::real::{Real, either, either_each};
+
+/// Integrals over the piece of (1), relative to the density at its inner end, in scale heights:
+///
+///     ∫e^(−y) ds,  ∫y e^(−y) ds,  ∫e^(−y)/r ds,  ∫δ e^(−y)/r ds,  ∫e^(−y) dy,  ∫δ e^(−y) dy
+pub type Moments<R> = [R; 6];
 
 /// A(p, a, Y) of (1): `perigee` = p ≥ 0, `start` = a ≥ 0 and the `range` Y ≥ 0 in scale
 /// heights; Y may be infinite. p and a may be as large as the format holds.
@@ -53,6 +64,128 @@ pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
         || inside(R::select(cuts, perigee, zero)) + (-skipped).exp() * outside,
         || outside,
     )
+}
+
+/// A(p, a, Y) of [`arc`], and what its derivatives are made of.
+pub fn moments<R: Real>(perigee: R, start: R, range: R) -> Moments<R> {
+    let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
+    let least = if perigee.digits() <= 24 {
+        1e-37
+    } else {
+        1e-300
+    };
+    let perigee = perigee.max(perigee.lit(least));
+    let core = one - perigee;
+    let long = (start + perigee + perigee).lt(range * range.lit(4.0));
+    let cuts = start.lt(core) & long;
+    let begin = R::select(cuts, core, start);
+    let skipped = (begin - start).min(range);
+    let outside = outer_moments(perigee, begin, range - skipped);
+    either_each(
+        cuts,
+        || {
+            let perigee = R::select(cuts, perigee, perigee.lit(0.5));
+            let end = R::select(cuts, (start + range).min(core), zero);
+            let start = R::select(cuts, start, zero);
+            let (inside, length) = core_moments(perigee, start, end);
+            join(inside, skipped, length, outside)
+        },
+        || outside,
+    )
+}
+
+/// The moments of two pieces, the first of which rises by `range` over `length`.
+fn join<R: Real>(first: Moments<R>, range: R, length: R, second: Moments<R>) -> Moments<R> {
+    let [column, height, inverse, lever, fall, fall_lever] = second;
+    let moved = [
+        column,
+        height + range * column,
+        inverse,
+        lever + length * inverse,
+        fall,
+        fall_lever + length * fall,
+    ];
+    let decay = (-range).exp();
+    std::array::from_fn(|k| first[k] + decay * moved[k])
+}
+
+/// (1) from the height `begin` above the perigee.
+fn outer_moments<R: Real>(perigee: R, begin: R, range: R) -> Moments<R> {
+    let two = perigee.lit(2.0);
+    let diameter = perigee + perigee;
+    let start = root(begin);
+    let from = start * (begin + diameter).sqrt();
+    decay_each(start, range, |x, gained| {
+        let height = x * x;
+        let chord = (height + diameter).sqrt();
+        let inverse = two / chord;
+        let ds = (height + perigee) * inverse;
+        let fall = x + x;
+        let sum = x.mul_add(chord, from);
+        let some = sum.lit(0.0).lt(sum);
+        let sum = R::select(some, sum, sum.lit(1.0));
+        let distance = gained * ((height + begin + diameter) / sum);
+        [
+            ds,
+            gained * ds,
+            inverse,
+            distance * inverse,
+            fall,
+            distance * fall,
+        ]
+    })
+}
+
+/// (2) between two heights above the perigee p < 1, and the length of the piece.
+fn core_moments<R: Real>(perigee: R, start: R, end: R) -> (Moments<R>, R) {
+    let (low, high) = (series_moments(perigee, start), series_moments(perigee, end));
+    let inner = perigee + start;
+    let scale = inner.exp();
+    let [inverse, column, radius] =
+        [0, 1, 2].map(|k| scale * (high.0[k] - low.0[k]).max(perigee.lit(0.0)));
+    let range = (end - start).max(perigee.lit(0.0));
+    let fall = range * phi(range);
+    let length = high.1 - low.1;
+    let moments = [
+        column,
+        radius - inner * column,
+        inverse,
+        fall - low.1 * inverse,
+        fall,
+        column - length * (-range).exp(),
+    ];
+    (moments, length)
+}
+
+/// ∫e^(−r) rʲ ds for j = −1, 0, 1 from the perigee p < 1 to the height `height` above it, by
+/// (2), and the distance s.
+fn series_moments<R: Real>(perigee: R, height: R) -> ([R; 3], R) {
+    let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
+    let square = perigee * perigee;
+    let radius = perigee + height;
+    let distance = root(height * (radius + perigee));
+
+    // M₋₁ and M₀, then (2).
+    let mut moments = (((radius + distance) / perigee).max(one).ln(), distance);
+    let mut sums = [moments.0 - moments.1, moments.1, zero];
+    let mut power = one;
+    // (−1)ⁿ⁻¹/(n − 1)!, of the moment Mₙ in the last sum.
+    let mut factor = 1.0;
+    let terms = if perigee.digits() <= 24 { 11 } else { 19 };
+    for n in 1..terms {
+        let degree = f64::from(n);
+        power = power * radius;
+        let moment = (distance * power + square * moments.0 * perigee.lit(degree))
+            * perigee.lit(1.0 / (degree + 1.0));
+        let own = -factor / degree;
+        let next = -own / (degree + 1.0);
+        for (sum, factor) in sums.iter_mut().zip([next, own, factor]) {
+            *sum = *sum + moment * perigee.lit(factor);
+        }
+        factor = own;
+        moments = (moments.1, moment);
+    }
+    (sums, distance)
 }
 
 /// √x for x ≥ 0, whose derivative at 0, where that of √x is infinite, is 0: pieces that begin at

@@ -65,6 +65,36 @@ pub fn integrate<R: Real>(length: R, exponent: impl Fn(R) -> R, factor: impl Fn(
     }
 }
 
+/// [`integrate`] for several factors, with the exponentials of one.
+pub fn integrate_each<R: Real, const M: usize>(
+    length: R,
+    exponent: impl Fn(R) -> R,
+    factors: impl Fn(R) -> [R; M],
+) -> [R; M] {
+    if length.digits() <= 24 {
+        sums(&SINGLE, length, exponent, factors)
+    } else {
+        sums(&DOUBLE, length, exponent, factors)
+    }
+}
+
+fn sums<R: Real, const N: usize, const M: usize>(
+    rule: &[(f64, f64); N],
+    length: R,
+    exponent: impl Fn(R) -> R,
+    factors: impl Fn(R) -> [R; M],
+) -> [R; M] {
+    let decay = R::exp_each(rule.map(|(x, _)| -exponent(length * length.lit(x))));
+    let mut sums = [length.lit(0.0); M];
+    for (k, (x, w)) in rule.iter().enumerate() {
+        let weight = length.lit(*w) * decay[k];
+        for (sum, factor) in sums.iter_mut().zip(factors(length * length.lit(*x))) {
+            *sum = factor.mul_add(weight, *sum);
+        }
+    }
+    sums.map(|sum| length * sum)
+}
+
 fn sum<R: Real, const N: usize>(
     rule: &[(f64, f64); N],
     length: R,

@@ -26,11 +26,26 @@
 //!
 //! `tests/gaussian.rs` asserts them.
 
-use super::gauss_legendre::integrate;
+use super::gauss_legendre::{integrate, integrate_each};
 use super::rel::psi;
 use crate::geometry::{Vector, dot, norm};
-use crate::real::{Real, either, polynomial};
+use crate::real::{Real, either, either_each, polynomial};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI};
+
+/// Integrals along a segment; distances are multiplied by κ.
+#[derive(Clone, Copy, Debug)]
+pub struct Moments<R> {
+    /// ∫ρ ds, the column.
+    pub column: R,
+    /// ∫E ρ ds.
+    pub exponent: R,
+    /// κ ∫s ρ ds.
+    pub distance: R,
+    /// κ ∫(x + s) ρ ds and κ² ∫s (x + s) ρ ds.
+    pub along: [R; 2],
+    /// ρ at the end.
+    pub density: R,
+}
 
 /// (1).
 #[derive(Clone, Copy, Debug)]
@@ -127,6 +142,74 @@ impl<R: Real> Bell<R> {
         // Where the density overflows, a segment without length still has no column.
         let some = zero.lt(gathered);
         R::select(some, (-inner).exp(), zero) * gathered
+    }
+
+    /// (2) and its moments, with the exponentials of (2); t may be infinite.
+    pub fn moments(&self, t: R) -> Moments<R> {
+        let zero = t.lit(0.0);
+        let end = self.along + t;
+        let inwards = self.along.lt(zero);
+        let turns = inwards & zero.lt(end);
+        let falls = inwards & !turns;
+
+        let near = R::select(falls, -end, R::select(turns, zero, self.along));
+        let length = R::select(turns, -self.along, t);
+        let beyond = R::select(turns, end, zero);
+        // The inner ends of both pieces lie here; the first leads back from there.
+        let from = R::select(turns, -self.along, R::select(falls, t, zero)) * self.rate;
+        let first = self.outward_moments(near, length);
+        let second = either_each(turns, || self.outward_moments(zero, beyond), || [zero; 5]);
+
+        let [column, gained, distance, along, along_distance] = first;
+        let back = |x: R| R::select(inwards, -x, x);
+        let [
+            more,
+            more_gained,
+            more_distance,
+            more_along,
+            more_along_distance,
+        ] = second;
+        let sums = [
+            column + more,
+            gained + more_gained,
+            from * column + back(distance) + (from * more + more_distance),
+            back(along) + more_along,
+            back(from * along) + along_distance + (from * more_along + more_along_distance),
+        ];
+
+        let finite = t.is_bounded();
+        let last = self.exponent_at(R::select(finite, t, zero));
+        let inner = R::select(turns, self.least, R::select(falls, last, self.exponent));
+        // Where the density overflows, a segment without length still has no column.
+        let some = zero.lt(sums[0]);
+        let density = R::select(some, (-inner).exp(), zero);
+        let [column, gained, distance, along, along_distance] = sums.map(|x| density * x);
+        let inner = R::select(zero.lt(column), inner, zero);
+        Moments {
+            column,
+            exponent: inner * column + gained,
+            distance,
+            along: [along, along_distance],
+            density: R::select(finite, (-last).exp(), zero),
+        }
+    }
+
+    /// As [`Bell::outwards`], and the same with these factors: the exponent gained, the
+    /// distance δ from the inner end, that from the perigee, and δ times that; times κ.
+    fn outward_moments(&self, near: R, length: R) -> [R; 5] {
+        let start = near * self.rate;
+        integrate_each(
+            length.min(self.reach(near)),
+            |s| {
+                let x = s * self.rate;
+                x * (start + start + x)
+            },
+            |s| {
+                let x = s * self.rate;
+                let along = start + x;
+                [s.lit(1.0), x * (start + along), x, along, x * along]
+            },
+        )
     }
 
     /// A fast estimate of the distance at which the ray has gathered `column` ≥ 0; beyond all

@@ -7,6 +7,8 @@
 
 static tape the_tape;
 
+enum { MOST = 30 }; /* results of a question */
+
 /* Slots of the arguments and of the models, new for each recording. */
 typedef struct arguments {
     am_node origin[3], up[3], top[3], t, t_max, tau, column;
@@ -67,35 +69,44 @@ static void put_arguments(arguments *a) {
     do {                                                                                           \
         am_host_table table = host_on(&the_tape), *host = &table;                                  \
         arguments a;                                                                               \
-        am_node out[4] = { 77, 77, 77, 77 }, first, last, fails_at;                                \
+        am_node out[MOST], first, last, fails_at;                                                  \
         int i_;                                                                                    \
+        for (i_ = 0; i_ < MOST; ++i_)                                                              \
+            out[i_] = 77;                                                                          \
         put_arguments(&a);                                                                         \
         first = the_tape.used;                                                                     \
         CHECK_OK(call);                                                                            \
         last = the_tape.used;                                                                      \
         for (i_ = 0; i_ < (count); ++i_)                                                           \
             CHECK_NEAR(the_tape.values[out[i_]], (expected)[i_], 1e-14);                           \
-        for (; i_ < 4; ++i_)                                                                       \
+        for (; i_ < MOST; ++i_)                                                                       \
             CHECK(out[i_] == 77);                                                                  \
         for (fails_at = first + 1; fails_at <= last; ++fails_at) {                                 \
-            for (i_ = 0; i_ < 4; ++i_)                                                             \
+            for (i_ = 0; i_ < MOST; ++i_)                                                           \
                 out[i_] = 77;                                                                      \
             the_tape.used = first;                                                                 \
             the_tape.fails_at = fails_at;                                                          \
             CHECK_FAILS(call, AM_STATUS_HOST_ERROR, "slot 0");                                     \
-            for (i_ = 0; i_ < 4; ++i_)                                                             \
+            for (i_ = 0; i_ < MOST; ++i_)                                                           \
                 CHECK(out[i_] == 77);                                                              \
         }                                                                                          \
     } while (0)
 
 static void profile_questions(void) {
-    double e[2];
+    double e[MOST];
     CHECK_OK(am_profile_density_f64(&exponential, top, e));
     RECORDS(am_profile_density_record(host, &a.profile, a.top, out), 1, e);
     CHECK_OK(am_profile_column_f64(&exponential, origin, up, LENGTH, e));
     RECORDS(am_profile_column_record(host, &a.profile, a.origin, a.up, a.t, out), 1, e);
     CHECK_OK(am_profile_inv_column_f64(&exponential, origin, up, column, e));
     RECORDS(am_profile_inv_column_record(host, &a.profile, a.origin, a.up, a.column, out), 1, e);
+    CHECK_OK(am_profile_column_value_and_gradient_f64(&exponential, origin, up, LENGTH, e));
+    RECORDS(am_profile_column_value_and_gradient_record(host, &a.profile, a.origin, a.up, a.t, out),
+            13, e);
+    CHECK_OK(am_profile_inv_column_value_and_gradient_f64(&exponential, origin, up, column, e));
+    RECORDS(am_profile_inv_column_value_and_gradient_record(host, &a.profile, a.origin, a.up,
+                                                            a.column, out),
+            13, e);
     CHECK_OK(am_profile_bounds_f64(&exponential, origin, up, LENGTH, e, e + 1));
     RECORDS(am_profile_bounds_record(host, &a.profile, a.origin, a.up, a.t, out, out + 1), 2, e);
     CHECK_OK(am_profile_bounds_in_box_f64(&exponential, origin, top, e, e + 1));
@@ -103,11 +114,15 @@ static void profile_questions(void) {
 }
 
 static void medium_questions(void) {
-    double e[4];
+    double e[MOST];
     CHECK_OK(am_medium_extinction_f64(&medium, top, e));
     RECORDS(am_medium_extinction_record(host, &a.medium, a.top, out), 2, e);
     CHECK_OK(am_medium_optical_depth_f64(&medium, origin, up, LENGTH, e));
     RECORDS(am_medium_optical_depth_record(host, &a.medium, a.origin, a.up, a.t, out), 2, e);
+    CHECK_OK(am_medium_optical_depth_value_and_gradient_f64(&medium, origin, up, LENGTH, e));
+    RECORDS(am_medium_optical_depth_value_and_gradient_record(host, &a.medium, a.origin, a.up, a.t,
+                                                              out),
+            30, e);
     CHECK_OK(am_medium_transmittance_f64(&medium, origin, up, LENGTH, e));
     RECORDS(am_medium_transmittance_record(host, &a.medium, a.origin, a.up, a.t, out), 2, e);
     CHECK_OK(am_medium_opacity_f64(&medium, origin, up, LENGTH, e));
@@ -123,6 +138,10 @@ static void medium_questions(void) {
     CHECK_OK(am_medium_free_flight_f64(&medium, 1, origin, up, t_max, tau, e));
     RECORDS(am_medium_free_flight_record(host, &a.medium, 1, a.origin, a.up, a.t_max, a.tau, out),
             1, e);
+    CHECK_OK(am_medium_free_flight_value_and_gradient_f64(&medium, 1, origin, up, t_max, tau, e));
+    RECORDS(am_medium_free_flight_value_and_gradient_record(host, &a.medium, 1, a.origin, a.up,
+                                                            a.t_max, a.tau, out),
+            15, e);
 }
 
 static void planet_questions(void) {

@@ -21,6 +21,12 @@ template <typename T> static void answers(double tolerance) {
     CHECK_NEAR(fog.column(origin, up, infinity), 2, tolerance);
     CHECK_NEAR(fog.inv_column(origin, up, T(1)), 2 * std::log(2.0), tolerance);
     CHECK(fog.inv_column(origin, up, T(3)) == infinity);
+    const std::vector<T> by = fog.column_value_and_gradient(origin, up, T(2));
+    CHECK(by.size() == 1 + fog.gradient_size());
+    CHECK_NEAR(by.front(), layer, tolerance);
+    CHECK_NEAR(by[4], layer / 2, tolerance); // base_height
+    CHECK_NEAR(by.back(), thin, tolerance);
+    CHECK_NEAR(fog.inv_column_value_and_gradient(origin, up, T(1)).back(), 2, 4 * tolerance);
     CHECK_NEAR(fog.bounds(origin, up, T(2)).inf, thin, tolerance);
     CHECK_NEAR(fog.bounds_in_box(origin, top).sup, 1, tolerance);
 
@@ -41,6 +47,16 @@ template <typename T> static void answers(double tolerance) {
     CHECK_NEAR(medium.pdf_within(origin, up, T(2), T(2))[1],
                extinction * std::exp(-depth) / (1 - std::exp(-depth)), 4 * tolerance);
     CHECK_NEAR(medium.free_flight(1, origin, up, infinity, T(depth)), 2, 4 * tolerance);
+    const std::size_t row = 1 + medium.gradient_size();
+    const std::vector<T> rows = medium.optical_depth_value_and_gradient(origin, up, T(2));
+    CHECK(rows.size() == 2 * row);
+    CHECK_NEAR(rows[row], depth, tolerance);
+    CHECK_NEAR(rows[row + 2], layer, tolerance); // sigma_t of the layer
+    const std::vector<T> flight =
+        medium.free_flight_value_and_gradient(1, origin, up, infinity, T(depth));
+    CHECK(flight.size() == row);
+    CHECK_NEAR(flight.front(), 2, 4 * tolerance);
+    CHECK_NEAR(flight.back(), 1 / extinction, 4 * tolerance);
     CHECK_NEAR(medium.bounds(origin, up, T(2))[1].sup, 3.2, tolerance);
     CHECK_NEAR(medium.bounds_in_box(origin, top)[1].inf, extinction, tolerance);
     CHECK_NEAR(medium.optical_depth(many, { up }, distances)[37], depth, tolerance);
