@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 from mitsuba.ad.integrators.common import RBIntegrator, mis_weight
 
-from . import flight, media
+from . import baseline, flight, media
 
 # How much more probable than in nature collisions are on rays that leave the scene: those from the
 # camera, and others.
@@ -28,6 +28,21 @@ class PrbAnalyticVolpath(RBIntegrator):
         super().__init__(props)
         self.rr_depth = roulette
         self._medium = None
+        self._differentiates = False
+
+    def render_backward(self, *args, **options):
+        self._differentiates = True
+        try:
+            return super().render_backward(*args, **options)
+        finally:
+            self._differentiates = False
+
+    def render_forward(self, *args, **options):
+        self._differentiates = True
+        try:
+            return super().render_forward(*args, **options)
+        finally:
+            self._differentiates = False
 
     def sample_rays(self, scene, sensor, sampler):
         self._medium = sensor.get_medium()
@@ -52,7 +67,9 @@ class PrbAnalyticVolpath(RBIntegrator):
 
         ray = mi.Ray3f(dr.detach(ray))
         depth = mi.UInt32(0)
-        L = mi.Spectrum(0 if primal else state_in)
+        L, baselines = (mi.Spectrum(0), []) if primal else state_in
+        L = mi.Spectrum(L)
+        records = [baseline.Record() for _ in range(3 if primal and self._differentiates else 0)]
         δL = mi.Spectrum(δL if δL is not None else 0)
         throughput = mi.Spectrum(1)
         η = mi.Float(1)
@@ -107,11 +124,26 @@ class PrbAnalyticVolpath(RBIntegrator):
                 weight = dr.select(
                     collided, event.weight * dr.detach(albedo), dr.select(surface, event.passing, 0)
                 )
+                if dr.hint(len(records) > 0, mode="scalar"):
+                    inside = medium != None  # noqa: E711
+                    records[0].note(collided & (depth == 0), throughput * event.weight, L)
+                    records[1].note(collided & (depth > 0), throughput * event.weight, L)
+                    records[2].note(surface & inside, throughput * event.passing, L)
                 if dr.hint(not primal, mode="scalar"):
+                    usual = dr.select(depth == 0, baselines[0], baselines[1])
+                    behind = dr.select(event.may_collide & si.is_valid(), baselines[2], 0)
                     Lo += dr.select(
                         collided,
-                        L * (event.log_density + _relative(albedo)),
-                        dr.select(surface, L * _relative(through), 0),
+                        (L - throughput * event.weight * usual) * event.log_density
+                        + L * _relative(albedo),
+                        dr.select(
+                            surface,
+                            (L - throughput * event.passing * behind) * _relative(through),
+                            0,
+                        ),
+                    )
+                    Lo += dr.select(
+                        event.may_collide, throughput * (behind - usual) * through, 0
                     )
                 throughput *= weight
 
@@ -141,7 +173,7 @@ class PrbAnalyticVolpath(RBIntegrator):
                 side = mi.MediumPtr(medium)
                 side[surface & si.is_medium_transition()] = si.target_medium(ds.d)
                 infinite = mi.has_flag(ds.emitter.flags(), mi.EmitterFlags.Infinite)
-                lit &= dr.any(dr.detach(value * light) != 0)
+                lit &= (pdf > 0) & dr.any(dr.detach(light) != 0)
                 if dr.hint(permeable, mode="scalar"):
                     with dr.suspend_grad():
                         passed = self._pass(
@@ -201,7 +233,12 @@ class PrbAnalyticVolpath(RBIntegrator):
             active &= ~plays | (sampler.next_1d(plays) < survival)
             throughput[plays] *= dr.rcp(survival)
 
-        return L if primal else δL, valid, [], L
+        if dr.hint(len(records) > 0, mode="scalar"):
+            dr.eval(L, records)  # sums over paths would run the loop once for each
+            samples = sampler.sample_count()
+            independent = sampler.class_name() == "IndependentSampler"
+            baselines = [record.mean(L, samples, independent) for record in records]
+        return L if primal else δL, valid, [], (L, baselines)
 
     def _fly(self, matter, sampler, ray, reach, medium, throughput, gain, may_collide, active):
         """The flight of a ray: what gets through, and its event."""
@@ -233,6 +270,7 @@ class PrbAnalyticVolpath(RBIntegrator):
             natural = dr.select(may_collide, dr.sum(chances * losses), 0)
             chance = dr.minimum(gain * natural, 1)
             event.collided = may_collide & (u < chance)
+            event.may_collide = may_collide
             event.natural = event.collided & (u < natural)
             channel = flight.choose(
                 chances * losses / dr.maximum(natural, flight.TINY),
@@ -315,6 +353,7 @@ class _Event:
     """Where a flight ends."""
 
     def __init__(self):
+        self.may_collide = mi.Bool(False)
         self.collided = mi.Bool(False)
         # Collides in nature, too.
         self.natural = mi.Bool(False)
@@ -326,6 +365,7 @@ class _Event:
         self.passing = mi.Spectrum(1)
 
     DRJIT_STRUCT = {
+        "may_collide": mi.Bool,
         "collided": mi.Bool,
         "natural": mi.Bool,
         "t": mi.Float,
