@@ -83,19 +83,21 @@ class PrbAnalyticVolpath(RBIntegrator):
         while dr.hint(active, label=f"prbanalyticvolpath ({mode.name})"):
             # ---- The segment: where it would end, and where it collides
             si = scene.ray_intersect(ray, active)
+            reach = mi.Float(si.t)
             if dr.hint(self.hide_emitters, mode="scalar"):
                 hidden = active & si.is_valid() & (depth == 0)
                 hidden &= si.shape.is_emitter()
                 beyond = si.spawn_ray(ray.d)
                 pi = self.skip_area_emitters(scene, beyond, True, hidden)
                 si[hidden] = pi.compute_surface_interaction(beyond, mi.RayFlags.All, hidden)
+                reach[hidden] = dr.select(si.is_valid(), dr.norm(si.p - ray.o), dr.inf)
 
             with dr.resume_grad(when=not primal):
                 goes_on = active & (depth + 1 < self.max_depth)
                 leaves = ~si.is_valid()
                 gain = dr.select(leaves, dr.select(depth == 0, CAMERA_GAIN, SCATTERED_GAIN), 1)
                 through, event = self._fly(
-                    matter, sampler, ray, si.t, medium, throughput, gain, goes_on, active
+                    matter, sampler, ray, reach, medium, throughput, gain, goes_on, active
                 )
                 Lo = mi.Spectrum(0)
 

@@ -71,7 +71,7 @@ class Component:
         )
 
     def _value(self, name, it):
-        return self._factors.get(name, 1.0) * self._objects[name].eval(it)
+        return mi.Spectrum(self._factors.get(name, 1.0) * self._objects[name].eval(it))
 
 
 # How extinction may be stated: that of am.coefficients.
@@ -127,11 +127,11 @@ class Place:
     def depth(self, columns):
         """Optical depth by channel."""
         parts = zip(self.sigma_t, columns, strict=True)
-        return sum((sigma_t * column for sigma_t, column in parts), mi.UnpolarizedSpectrum(0))
+        return sum((sigma_t * column for sigma_t, column in parts), mi.Spectrum(0))
 
     def at(self, p):
         """Extinction and scattering at the point `p`, 1/length."""
-        extinction, scattering = mi.UnpolarizedSpectrum(0), mi.UnpolarizedSpectrum(0)
+        extinction, scattering = mi.Spectrum(0), mi.Spectrum(0)
         parts = zip(self.profiles, self.sigma_t, self.sigma_s, strict=True)
         for profile, sigma_t, sigma_s in parts:
             density = dr.minimum(profile.density(p), LARGE)
