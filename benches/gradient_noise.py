@@ -250,8 +250,10 @@ def measure(name, rounds, passes, seconds):
             noise[method].append(found.var(0, ddof=1) * cost[method])
             means[method].append(found.mean(0))
     for method in methods:
-        print(f"    {method}: {spp[method]} spp, {cost[method]:.2f} s a pass, gradient "
-              f"{np.mean(means[method], 0)}")
+        print(
+            f"    {method}: {spp[method]} spp, {cost[method]:.2f} s a pass, gradient "
+            f"{np.mean(means[method], 0)}"
+        )
     return ours.names, {method: np.array(rows) for method, rows in noise.items()}
 
 
@@ -276,7 +278,9 @@ def main():
             medians = np.median(ratios, axis=0)
             everything.setdefault(method, []).extend(medians)
             for name, median, column in zip(names, medians, ratios.T, strict=True):
-                print(f"  {method}, {name}: {median:.3g} ({column.min():.3g} to {column.max():.3g})")
+                print(
+                    f"  {method}, {name}: {median:.3g} ({column.min():.3g} to {column.max():.3g})"
+                )
             print(f"  {method}, geometric mean: {np.exp(np.log(medians).mean()):.3g}", flush=True)
     for method, medians in everything.items():
         print(f"all, {method}: {np.exp(np.mean(np.log(medians))):.3g}")

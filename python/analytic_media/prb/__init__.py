@@ -3,14 +3,24 @@
 import importlib
 import sys
 
+NAME = "prbanalyticvolpath"
+
 
 def register(_old=None, variant=None) -> None:
     """Makes the integrator known to the variant of Mitsuba that is set."""
-    if variant is None or "_ad_" not in variant:
-        return
-    name = f"{__name__}.integrator"
-    loaded = sys.modules.get(name)
-    if loaded:
-        importlib.reload(loaded)
-    else:
-        importlib.import_module(name)
+    if variant is not None and "_ad_" in variant:
+        import mitsuba as mi
+
+        mi.register_integrator(NAME, _create)
+
+
+def _create(props):
+    """The integrator, from the classes of the variant: those of Mitsuba are made anew for each."""
+    import mitsuba as mi
+
+    module = sys.modules.get(f"{__name__}.integrator")
+    if module is None:
+        module = importlib.import_module(".integrator", __name__)
+    elif module.VARIANT != mi.variant():
+        importlib.reload(module)
+    return module.PrbAnalyticVolpath(props)

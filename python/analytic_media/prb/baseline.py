@@ -10,6 +10,8 @@ on the same path. It is the mean light behind events of the same kind, over othe
 import drjit as dr
 import mitsuba as mi
 
+from . import flight
+
 # Paths that a mean is taken of, at least.
 NEIGHBOURS = 32
 
@@ -45,7 +47,7 @@ class Record:
             return near - (value if independent else _spread(value, samples, count))
 
         weight = mi.Spectrum([others(x) for x in self.weight])
-        return dr.select(weight > 0, mi.Spectrum([others(x) for x in behind]) / weight, 0)
+        return flight.each(weight > 0, mi.Spectrum([others(x) for x in behind]) / weight, 0)
 
 
 def _spread(value, size, count):

@@ -20,11 +20,16 @@ import mitsuba as mi
 TINY = 1e-30
 
 
+def each(mask, a, b):
+    """dr.select by channel: it would forget that the result is a spectrum."""
+    return mi.Spectrum(dr.select(mask, a, b))
+
+
 def channel_chances(throughput):
     """The probabilities of channels: in proportion to the throughput."""
     weight = dr.maximum(throughput, 0)
     total = dr.sum(weight)
-    return dr.select(total > 0, weight / total, 1 / len(weight))
+    return each(total > 0, weight / total, 1 / len(weight))
 
 
 def choose(chances, u):
@@ -83,4 +88,4 @@ def collision_weight(chances, natural, chance, depth, extinction):
     least = dr.min(dr.select(chances > 0, depth, dr.inf))
     density = dr.exp(-dr.maximum(depth - least, 0)) * extinction
     pdf = dr.sum(chances * density)
-    return dr.select(pdf > 0, density / pdf, 0) * natural / dr.maximum(chance, TINY)
+    return each(pdf > 0, density / pdf, 0) * natural / dr.maximum(chance, TINY)

@@ -1,21 +1,23 @@
 """The integrator `prbanalyticvolpath`: `analyticvolpath`, differentiated by path replay.
 
-Reloaded for each variant of Mitsuba, as Mitsuba's own integrators in Python are.
+The class derives from one of Mitsuba's that is made anew for each variant: so is this module.
 """
 
 import drjit as dr
 import mitsuba as mi
-from mitsuba.ad.integrators.common import RBIntegrator, mis_weight
 
 from . import baseline, flight, media
 
+common = mi.ad.integrators.common  # an import would find that of the first variant
+
+VARIANT = mi.variant()
 # How much more probable than in nature collisions are on rays that leave the scene: those from the
 # camera, and others.
 CAMERA_GAIN, SCATTERED_GAIN = 16.0, 4.0
 MAX_SURVIVAL = 0.95
 
 
-class PrbAnalyticVolpath(RBIntegrator):
+class PrbAnalyticVolpath(common.RBIntegrator):
     """Path tracing through analytic media: images, and their derivatives.
 
     Distances and directions are drawn without derivatives, and weighted with them, by the replay of
@@ -108,10 +110,8 @@ class PrbAnalyticVolpath(RBIntegrator):
                     shines &= depth > 0
                 ds = mi.DirectionSample3f(scene, si, last)
                 light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~count_emission)
-                mis = dr.select(count_emission, 1, mis_weight(last_pdf, light_pdf))
-                seen = dr.select(
-                    shines, throughput * through * emitter.eval(si, shines) * mis, 0
-                )
+                mis = dr.select(count_emission, 1, common.mis_weight(last_pdf, light_pdf))
+                seen = dr.select(shines, throughput * through * emitter.eval(si, shines) * mis, 0)
                 if dr.hint(primal, mode="scalar"):
                     L += seen
                 else:
@@ -144,9 +144,7 @@ class PrbAnalyticVolpath(RBIntegrator):
                             0,
                         ),
                     )
-                    Lo += dr.select(
-                        event.may_collide, throughput * (behind - usual) * through, 0
-                    )
+                    Lo += dr.select(event.may_collide, throughput * (behind - usual) * through, 0)
                 throughput *= weight
 
                 # ---- Light sources
@@ -170,7 +168,7 @@ class PrbAnalyticVolpath(RBIntegrator):
                 phase_value, phase_pdf = phase.eval_pdf(phase_context, mei, ds.d, lit & collided)
                 value = dr.select(surface, bsdf_value, phase_value)
                 pdf = dr.detach(dr.select(surface, bsdf_pdf, phase_pdf))
-                mis = mis_weight(ds.pdf, dr.select(ds.delta, 0, pdf))
+                mis = common.mis_weight(ds.pdf, dr.select(ds.delta, 0, pdf))
                 shadow = here.spawn_ray_to(ds.p)
                 side = mi.MediumPtr(medium)
                 side[surface & si.is_medium_transition()] = si.target_medium(ds.d)
@@ -198,9 +196,7 @@ class PrbAnalyticVolpath(RBIntegrator):
                 u1, u2 = sampler.next_1d(active), sampler.next_2d(active)
                 with dr.suspend_grad():
                     bs, bsdf_weight = bsdf.sample(context, si, u1, u2, surface)
-                    wo, phase_weight, phase_pdf = phase.sample(
-                        phase_context, mei, u1, u2, collided
-                    )
+                    wo, phase_weight, phase_pdf = phase.sample(phase_context, mei, u1, u2, collided)
                 if dr.hint(not primal, mode="scalar"):
                     smooth = surface & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
                     smooth &= ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
@@ -317,9 +313,7 @@ class PrbAnalyticVolpath(RBIntegrator):
             surface = active & si.is_valid()
             with dr.resume_grad(when=not primal):
                 end = dr.select(surface, si.t, rest)
-                through = self._through(
-                    matter, ray, medium, end, infinite & ~surface, active
-                )
+                through = self._through(matter, ray, medium, end, infinite & ~surface, active)
                 bsdf = si.bsdf(ray)
                 through *= dr.select(surface, bsdf.eval_null_transmission(si, surface), 1)
                 if dr.hint(not primal, mode="scalar"):
@@ -402,13 +396,13 @@ def _clip(one, ray, reach, active):
 
 
 def _ratio(a, b):
-    return dr.select(b > 0, a / dr.maximum(b, flight.TINY), 0)
+    return flight.each(b > 0, a / dr.maximum(b, flight.TINY), 0)
 
 
 def _relative(value):
     """1, with the derivative of the logarithm of `value`; 0 where that is 0."""
     now = dr.detach(value)
-    return dr.select(now > 0, value / dr.select(now > 0, now, 1), 0)
+    return flight.each(now > 0, value / flight.each(now > 0, now, 1), 0)
 
 
 def _propagate(mode, δL, Lo):
@@ -428,6 +422,3 @@ def _permeable(scene) -> bool:
         or (shape.bsdf() is not None and mi.has_flag(shape.bsdf().flags(), mi.BSDFFlags.Null))
         for shape in scene.shapes()
     )
-
-
-mi.register_integrator("prbanalyticvolpath", lambda props: PrbAnalyticVolpath(props))
