@@ -11,8 +11,9 @@ back to the parameters of the medium, with seeds of its own in each pass:
     stock, grid         prbvolpath on a 64³ grid of the density, whose derivatives Dr.Jit takes to
                         the parameters through the formula that the grid is filled by
 
-Rounds are interleaved, and of about equal process CPU time. Noise is the variance over the passes of
-a round times the CPU time of a pass. Prints that of stock over ours: median and range of the rounds.
+Rounds are interleaved, and of about equal process CPU time. Noise is the variance over the passes
+of a round times the CPU time of a pass. Prints that of stock over ours: median and range of the
+rounds.
 """
 
 import argparse

@@ -21,6 +21,6 @@ def _create(props):
     module = sys.modules.get(f"{__name__}.integrator")
     if module is None:
         module = importlib.import_module(".integrator", __name__)
-    elif module.VARIANT != mi.variant():
+    elif mi.variant() != module.VARIANT:
         importlib.reload(module)
     return module.PrbAnalyticVolpath(props)

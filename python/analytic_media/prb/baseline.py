@@ -1,11 +1,13 @@
 """Baselines: what is left of a path in the mean, by other paths.
 
-The density of a flight's distance is normalised, whatever the parameters: the derivative of
-"collides somewhere" is that of 1 - T(end), which is known. So a constant may be taken off the light
-that multiplies the derivative of the density, and given back with that of 1 - T(end): the mean stays
-the same, and the noise is that of the difference. The constant must not depend on what comes after
-on the same path. It is the mean light behind events of the same kind, over other paths nearby.
+The density of collisions has a known integral, 1 - T(end), whatever the parameters. So a constant
+may be taken off the light that multiplies the derivative of the density, and given back with the
+derivative of 1 - T(end): the mean stays the same, and the noise is that of the difference. The
+constant must not depend on what comes after on the same path. It is the mean light behind events
+of the same kind, over other paths nearby.
 """
+
+from dataclasses import dataclass, field
 
 import drjit as dr
 import mitsuba as mi
@@ -16,13 +18,13 @@ from . import flight
 NEIGHBOURS = 32
 
 
+@dataclass
 class Record:
     """A path's first event of a kind: its weight, and the light of the path before it."""
 
-    DRJIT_STRUCT = {"weight": mi.Spectrum, "before": mi.Spectrum, "met": mi.Bool}
-
-    def __init__(self):
-        self.weight, self.before, self.met = mi.Spectrum(0), mi.Spectrum(0), mi.Bool(False)
+    weight: object = field(default_factory=lambda: mi.Spectrum(0))
+    before: object = field(default_factory=lambda: mi.Spectrum(0))
+    met: object = field(default_factory=lambda: mi.Bool(False))
 
     def note(self, event, throughput, light):
         """Takes note of an event with the weight `throughput`, after which more light comes."""

@@ -3,6 +3,8 @@
 The class derives from one of Mitsuba's that is made anew for each variant: so is this module.
 """
 
+from dataclasses import dataclass, field
+
 import drjit as dr
 import mitsuba as mi
 
@@ -29,6 +31,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         roulette = props.get("rr_depth", 2)
         super().__init__(props)
         self.rr_depth = roulette
+        self._lights = props.get("emitter_samples", 1)
         self._medium = None
         self._differentiates = False
 
@@ -66,6 +69,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         with dr.resume_grad():
             matter = media.find(scene, self._medium)
         permeable = _permeable(scene)
+        lights = self._lights
 
         ray = mi.Ray3f(dr.detach(ray))
         depth = mi.UInt32(0)
@@ -109,7 +113,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                 if dr.hint(self.hide_emitters, mode="scalar"):
                     shines &= depth > 0
                 ds = mi.DirectionSample3f(scene, si, last)
-                light_pdf = scene.pdf_emitter_direction(last, ds, shines & ~count_emission)
+                light_pdf = lights * scene.pdf_emitter_direction(last, ds, shines & ~count_emission)
                 mis = dr.select(count_emission, 1, common.mis_weight(last_pdf, light_pdf))
                 seen = dr.select(shines, throughput * through * emitter.eval(si, shines) * mis, 0)
                 if dr.hint(primal, mode="scalar"):
@@ -160,37 +164,61 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                 )
                 here = dr.select(collided, mi.Interaction3f(mei), mi.Interaction3f(si))
                 here = dr.detach(here)
-                ds, light = scene.sample_emitter_direction(here, sampler.next_2d(lit), False, lit)
-                ds = dr.detach(ds)
-                lit &= ds.pdf != 0
-                wo = si.to_local(ds.d)
-                bsdf_value, bsdf_pdf = bsdf.eval_pdf(context, si, wo, lit & surface)
-                phase_value, phase_pdf = phase.eval_pdf(phase_context, mei, ds.d, lit & collided)
-                value = dr.select(surface, bsdf_value, phase_value)
-                pdf = dr.detach(dr.select(surface, bsdf_pdf, phase_pdf))
-                mis = common.mis_weight(ds.pdf, dr.select(ds.delta, 0, pdf))
-                shadow = here.spawn_ray_to(ds.p)
-                side = mi.MediumPtr(medium)
-                side[surface & si.is_medium_transition()] = si.target_medium(ds.d)
-                infinite = mi.has_flag(ds.emitter.flags(), mi.EmitterFlags.Infinite)
-                lit &= (pdf > 0) & dr.any(dr.detach(light) != 0)
-                if dr.hint(permeable, mode="scalar"):
-                    with dr.suspend_grad():
-                        passed = self._pass(
-                            scene, matter, shadow, side, infinite, lit, dr.ADMode.Primal, None, None
-                        )
-                else:
-                    passed = self._unobstructed(scene, matter, shadow, side, infinite, lit)
-                direct = dr.select(lit, throughput * value * light * passed * mis, 0)
-                if dr.hint(primal, mode="scalar"):
-                    L += direct
-                else:
-                    L -= dr.detach(direct)
-                    Lo += direct
+                for i in range(lights):
+                    # The first coordinate chooses the light source: a stratum for each sample.
+                    u = sampler.next_2d(lit)
+                    u.x = (u.x + i) / lights
+                    ds, light = scene.sample_emitter_direction(here, u, False, lit)
+                    ds = dr.detach(ds)
+                    sees = lit & (ds.pdf != 0)
+                    wo = si.to_local(ds.d)
+                    bsdf_value, bsdf_pdf = bsdf.eval_pdf(context, si, wo, sees & surface)
+                    phase_value, phase_pdf = phase.eval_pdf(
+                        phase_context, mei, ds.d, sees & collided
+                    )
+                    value = dr.select(surface, bsdf_value, phase_value)
+                    pdf = dr.detach(dr.select(surface, bsdf_pdf, phase_pdf))
+                    mis = common.mis_weight(ds.pdf * lights, dr.select(ds.delta, 0, pdf))
+                    shadow = here.spawn_ray_to(ds.p)
+                    side = mi.MediumPtr(medium)
+                    side[surface & si.is_medium_transition()] = si.target_medium(ds.d)
+                    infinite = mi.has_flag(ds.emitter.flags(), mi.EmitterFlags.Infinite)
+                    sees &= (pdf > 0) & dr.any(dr.detach(light) != 0)
                     if dr.hint(permeable, mode="scalar"):
-                        δL = self._pass(
-                            scene, matter, shadow, side, infinite, lit, mode, dr.detach(direct), δL
-                        )
+                        with dr.suspend_grad():
+                            passed = self._pass(
+                                scene,
+                                matter,
+                                shadow,
+                                side,
+                                infinite,
+                                sees,
+                                dr.ADMode.Primal,
+                                None,
+                                None,
+                            )
+                    else:
+                        passed = self._unobstructed(scene, matter, shadow, side, infinite, sees)
+                    direct = dr.select(
+                        sees, throughput * value * light * passed * (mis / lights), 0
+                    )
+                    if dr.hint(primal, mode="scalar"):
+                        L += direct
+                    else:
+                        L -= dr.detach(direct)
+                        Lo += direct
+                        if dr.hint(permeable, mode="scalar"):
+                            δL = self._pass(
+                                scene,
+                                matter,
+                                shadow,
+                                side,
+                                infinite,
+                                sees,
+                                mode,
+                                dr.detach(direct),
+                                δL,
+                            )
 
                 # ---- The next direction
                 u1, u2 = sampler.next_1d(active), sampler.next_2d(active)
@@ -345,32 +373,31 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         )
 
 
+def _zero():
+    return mi.Spectrum(0)
+
+
+def _no():
+    return mi.Bool(False)
+
+
+@dataclass
 class _Event:
-    """Where a flight ends."""
+    """Where a flight ends, by channel where it is a spectrum."""
 
-    def __init__(self):
-        self.may_collide = mi.Bool(False)
-        self.collided = mi.Bool(False)
-        # Collides in nature, too.
-        self.natural = mi.Bool(False)
-        self.t = mi.Float(0)
-        self.extinction = mi.Spectrum(0)
-        self.scattering = mi.Spectrum(0)
-        self.log_density = mi.Spectrum(0)
-        self.weight = mi.Spectrum(0)
-        self.passing = mi.Spectrum(1)
-
-    DRJIT_STRUCT = {
-        "may_collide": mi.Bool,
-        "collided": mi.Bool,
-        "natural": mi.Bool,
-        "t": mi.Float,
-        "extinction": mi.Spectrum,
-        "scattering": mi.Spectrum,
-        "log_density": mi.Spectrum,
-        "weight": mi.Spectrum,
-        "passing": mi.Spectrum,
-    }
+    may_collide: object = field(default_factory=_no)
+    collided: object = field(default_factory=_no)
+    # Collides in nature, too.
+    natural: object = field(default_factory=_no)
+    t: object = field(default_factory=lambda: mi.Float(0))
+    # 1/length, at the collision.
+    extinction: object = field(default_factory=_zero)
+    scattering: object = field(default_factory=_zero)
+    # The logarithm of the density of collisions.
+    log_density: object = field(default_factory=_zero)
+    # Contribution over probability, of a collision but for the albedo, and of the end.
+    weight: object = field(default_factory=_zero)
+    passing: object = field(default_factory=lambda: mi.Spectrum(1))
 
 
 def _interaction(ray, t, medium):
