@@ -287,6 +287,66 @@ def test_changed_parameters_reuse_every_kernel(variant, weights):
     assert all(k["cache_hit"] for k in again)
 
 
+@rgb
+def test_frozen_functions_give_the_same_derivatives(variant, weights):
+    """After a first call: what a medium is made of has to be read before."""
+    scene, params, directions = load("height fog", variant)
+    key = next(k for k in directions if k.endswith("scale_height"))
+    adjoint, path = mi.TensorXf(weights / weights.size), integrator()
+
+    def gradient(scene, value, seed):
+        params[key] = value
+        params.update()
+        path.render_backward(scene, params, adjoint, seed=seed, spp=256)
+        return dr.grad(params[key])
+
+    def means(function):
+        found = []
+        for height in (1.5, 0.9):
+            value = mi.Float(height)
+            dr.make_opaque(value)
+            dr.enable_grad(value)
+            found.append(function(scene, value, dr.opaque(mi.UInt32, 7))[0])
+        return found
+
+    expected = means(gradient)
+    assert expected[0] != pytest.approx(expected[1], rel=0.2)
+    assert means(dr.freeze(gradient)) == pytest.approx(expected, rel=0.05)
+
+
+# ---- Coefficients
+
+STATED = {
+    "sigma_t": {"sigma_t": 0.7, "albedo": 0.3},
+    "colour": {"sigma_t": {"type": "rgb", "value": [0.5, 1.5, 4.0]}, "albedo": 0.3},
+    "sigma_a": {"sigma_a": 0.2, "sigma_s": 0.5},
+    "mean_free_path": {"mean_free_path": 2.0},
+    "transmittance": {"transmittance": 0.4, "at_distance": 3.0},
+    "opacity": {"opacity": 0.4, "at_distance": 3.0},
+    "visibility": {"visibility": 5.0},
+    "mass": {"mass_density": 0.3, "mass_attenuation": 2.0, "scale": 1.5},
+    "number": {"number_density": 0.3, "cross_section": 2.0},
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS, indirect=True)
+@pytest.mark.parametrize("stated", STATED)
+def test_coefficients_are_those_of_the_medium(variant, stated):
+    from analytic_media.prb import media
+
+    gc.collect()
+    fog = mi.load_dict({"type": "analytic"} | scenes.EXPONENTIAL | STATED[stated])
+    it = dr.zeros(mi.MediumInteraction3f)
+    it.p = mi.Point3f(0.3, -0.2, 1.1)
+    if variant.endswith("spectral"):
+        it.wavelengths = mi.Spectrum([450, 500, 600, 650])
+    sigma_s, _, sigma_t = fog.get_scattering_coefficients(it)
+    one = media.Medium(fog, [str(fog)])
+    extinction, scattering = media.Place(one, it).at(it.p)
+    np.testing.assert_allclose(np.array(extinction), np.array(sigma_t), rtol=1e-5)
+    np.testing.assert_allclose(np.array(scattering), np.array(sigma_s), rtol=1e-5)
+
+
 # ---- What does not work
 
 
@@ -296,3 +356,9 @@ def test_stock_media_are_refused(variant):
     scene = mi.load_dict(scenes.ball(scenes.homogeneous_fog(), size=4))
     with pytest.raises(ValueError, match="needs media of the types analytic and overlap"):
         integrator().render(scene, spp=1)
+
+
+@rgb
+def test_no_light_samples_are_refused(variant):
+    with pytest.raises(RuntimeError, match="emitter_samples must be between 1 and 64, got 0"):
+        integrator(emitter_samples=0)

@@ -32,6 +32,9 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         super().__init__(props)
         self.rr_depth = roulette
         self._lights = props.get("emitter_samples", 1)
+        if not 1 <= self._lights <= 64:
+            raise ValueError(f"emitter_samples must be between 1 and 64, got {self._lights}")
+        self._known = media.Known()
         self._medium = None
         self._differentiates = False
 
@@ -67,7 +70,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
     ):
         primal = mode == dr.ADMode.Primal
         with dr.resume_grad():
-            matter = media.find(scene, self._medium)
+            matter = media.find(scene, self._medium, self._known)
         permeable = _permeable(scene)
         lights = self._lights
 

@@ -43,6 +43,7 @@ class Component:
     """One kind of matter: its profile, and its coefficients where the density is 1."""
 
     def __init__(self, owner, text: str):
+        """`text` is what the owner prints: it says what kind of a profile it is."""
         values = mi.traverse(owner)
         self._objects = _Children(owner).objects
         self._scale = values["scale"]
@@ -95,19 +96,22 @@ def _factors(text: str) -> dict[str, float]:
 class Medium:
     """A sum of components. `pointer` is what shapes and sensors call it."""
 
-    def __init__(self, medium):
+    def __init__(self, medium, texts):
         self.pointer = mi.MediumPtr(medium)
-        self.chromatic = medium.has_spectral_extinction()
-        if medium.class_name() == "AnalyticMedium":
-            self.components = [Component(medium, str(medium))]
-        elif medium.class_name() == "OverlapMedium":
-            parts = {n: o for n, o in _Children(medium).objects.items()}
-            self.components = [Component(part, str(part)) for part in parts.values()]
-        else:
-            raise ValueError(
-                "prbanalyticvolpath needs media of the types analytic and overlap, got "
-                f"{medium.class_name()}: use prbvolpath for others"
-            )
+        parts = zip(_parts(medium), texts, strict=True)
+        self.components = [Component(part, text) for part, text in parts]
+
+
+def _parts(medium):
+    """The objects that the components of a medium belong to."""
+    if medium.class_name() == "AnalyticMedium":
+        return [medium]
+    if medium.class_name() == "OverlapMedium":
+        return list(_Children(medium).objects.values())
+    raise ValueError(
+        "prbanalyticvolpath needs media of the types analytic and overlap, got "
+        f"{medium.class_name()}: use prbvolpath for others"
+    )
 
 
 class Place:
@@ -140,11 +144,27 @@ class Place:
         return extinction, scattering
 
 
-def find(scene, sensors_medium=None) -> list[Medium]:
+class Known:
+    """What the media of the last scene print: to print reads values back, so it is done once."""
+
+    def __init__(self):
+        self._texts = {}
+
+    def look_up(self, media):
+        """The texts of the components of each medium."""
+        # The media are kept with them, for others may get their addresses.
+        self._texts = {
+            id(medium): self._texts.get(id(medium)) or (medium, [str(p) for p in _parts(medium)])
+            for medium in media
+        }
+        return [texts for _, texts in self._texts.values()]
+
+
+def find(scene, sensors_medium, known: Known) -> list[Medium]:
     """The media of a scene, each once."""
     found = []
     for shape in scene.shapes():
         found += [shape.interior_medium(), shape.exterior_medium()]
     found += [sensor.get_medium() for sensor in scene.sensors()] + [sensors_medium]
-    unique = {id(medium): medium for medium in found if medium is not None}
-    return [Medium(medium) for medium in unique.values()]
+    unique = list({id(medium): medium for medium in found if medium is not None}.values())
+    return [Medium(*pair) for pair in zip(unique, known.look_up(unique), strict=True)]
