@@ -30,7 +30,7 @@ HG = {"type": "hg", "g": 0.6}
 FOG = {"type": "analytic", "sigma_t": 1.0, "albedo": 0.9, "phase": HG}
 LAYER = {"profile": "exponential", "scale_height": 0.5, "base_height": 0.0}
 HAZE = {"profile": "exponential", "scale_height": 2.0, "base_height": 0.0}
-PLANET = {"profile": "spherical", "radius": 4.0, "scale_height": 0.4}
+PLANET = {"profile": "spherical", "center": [0, 0, 0], "radius": 4.0, "scale_height": 0.4}
 
 
 def colour(*values):
@@ -197,8 +197,8 @@ class Grid:
             self.parts, zip(*[iter(values)] * 3, strict=True), strict=True
         ):
             kind = {"exponential": am.Exponential, "spherical": am.Spherical}[part["profile"]]
-            radius = {"radius": part["radius"]} if "radius" in part else {}
-            profile = am.jit.Profile(kind, scale_height=scale_height, **radius)
+            place = {name: part[name] for name in ("center", "radius") if name in part}
+            profile = am.jit.Profile(kind, scale_height=scale_height, **place)
             # Below the ground, where no light gets, the density would grow without bound.
             density = sigma_t * dr.minimum(profile.density(self.centres), 1)
             extinction += density
@@ -223,6 +223,14 @@ METHODS = {
 }
 
 
+def cost_of(one, adjoint, spp):
+    """CPU time of a pass, once its kernels are compiled."""
+    one.gradient(adjoint, spp, 0)
+    start = time.process_time()
+    one.gradient(adjoint, spp, 1)
+    return time.process_time() - start
+
+
 def measure(name, rounds, passes, seconds):
     """Noise by round and parameter, for each method."""
     methods = {method: make(name) for method, make in METHODS.items()}
@@ -231,13 +239,8 @@ def measure(name, rounds, passes, seconds):
     adjoint = mi.TensorXf(2 / np.prod(difference.shape) * difference)
     spp, cost = {}, {}
     for method, one in methods.items():
-        one.gradient(adjoint, 8, 0)  # compiles
-        start = time.process_time()
-        one.gradient(adjoint, 8, 1)
-        short = time.process_time() - start
-        start = time.process_time()
-        one.gradient(adjoint, 40, 1)
-        slope = max((time.process_time() - start - short) / 32, 1e-4)
+        short, long = (cost_of(one, adjoint, samples) for samples in (8, 72))
+        slope = max((long - short) / 64, 1e-4)
         spp[method] = int(np.clip(seconds / passes / slope, 8, 4096))
     noise = {method: [] for method in methods}
     means = {method: [] for method in methods}
