@@ -26,4 +26,9 @@ def register() -> bool:
             f"installed: run 'pip install mitsuba=={MITSUBA_VERSION}' or rebuild analytic-media"
         )
     mi.file_resolver().prepend(str(Path(__file__).parent))
+
+    from . import prb
+
+    mi.detail.add_variant_callback(prb.register)
+    prb.register(variant=mi.variant())
     return True
