@@ -2,6 +2,7 @@
 #
 #   make build      .venv with pinned packages, then the Rust core, the plugin and the Python package
 #   make compare    build, then render the height fog with our medium and with its voxelised twin
+#   make street     build, then find the fog of a street from its picture (make sunset: haze)
 #   make test       build, then lint, and the tests of Rust, C, C++ and Python
 #   make lint       the formatters and linters alone
 #   make install    the C library for other programs, into PREFIX
@@ -21,7 +22,7 @@ cxx_sources = $(wildcard include/*.hpp mitsuba_plugin/src/*.h mitsuba_plugin/src
 # pip, pytest and CMake find the tools of .venv first.
 export PATH := $(CURDIR)/$(bin):$(PATH)
 
-.PHONY: build llvm compare test test-rust test-python lint install clean
+.PHONY: build llvm compare street sunset test test-rust test-python lint install clean
 
 build: llvm .venv/.requirements
 	@echo "== Building the Rust core, the plugin ($(VARIANTS)) and the Python package"
@@ -40,6 +41,11 @@ llvm:
 compare: build
 	@echo "== Comparing $(SCENE) with its voxelised twin; the report goes to report/"
 	analytic-media compare $(SCENE) --output report
+
+street sunset: build
+	@echo "== Finding what examples/inverse/$@.py looks for; the picture goes to report/"
+	@mkdir -p report
+	python examples/inverse/$@.py --output report/$@_fit.png
 
 test: lint test-rust test-python
 

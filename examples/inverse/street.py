@@ -1,6 +1,7 @@
 """What fog is in this photograph? Visibility, scale height and colour of a foggy street.
 
-    python examples/inverse/street.py [--steps N] [--spp N] [--output street_fit.png]
+    make street                             # or, after make build:
+    .venv/bin/python examples/inverse/street.py [--steps N] [--spp N] [--output FILE]
 
 The photograph is a render of scenes/street.xml by `analyticvolpath`; the street is known, and so is
 the light. The search begins with a fog that is shallow, thin and grey.
@@ -37,11 +38,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=120)
     parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
+    parser.add_argument("--photograph-spp", type=int, default=4096)
     parser.add_argument("--output", default="street_fit.png")
     options = parser.parse_args()
 
     scene = mi.load_file(SCENE, res_x=96, res_y=60)
-    photograph = mi.render(scene, spp=1024, seed=12345)
+    photograph = mi.render(scene, spp=options.photograph_spp, seed=12345)
 
     course = fit(scene, apply, photograph, START, options.steps, options.spp, max_depth=8)
     worst = report(course, TRUTH)

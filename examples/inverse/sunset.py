@@ -1,6 +1,7 @@
 """How hazy was this sunset? Load and scale height of the aerosol in a planet's atmosphere.
 
-    python examples/inverse/sunset.py [--steps N] [--spp N] [--output sunset_fit.png]
+    make sunset                             # or, after make build:
+    .venv/bin/python examples/inverse/sunset.py [--steps N] [--spp N] [--output FILE]
 
 The photograph is a render of scenes/earth_sunset.xml by `analyticvolpath`. Air, ozone, the ground
 and the sun are known; of the aerosol, its colour. The search begins with four times the load, in a
@@ -37,11 +38,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=80)
     parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
+    parser.add_argument("--photograph-spp", type=int, default=4096)
     parser.add_argument("--output", default="sunset_fit.png")
     options = parser.parse_args()
 
     scene = mi.load_file(SCENE, res_x=64, res_y=36, max_depth=MAX_DEPTH)
-    photograph = mi.render(scene, spp=1024, seed=12345)
+    photograph = mi.render(scene, spp=options.photograph_spp, seed=12345)
 
     course = fit(scene, apply, photograph, START, options.steps, options.spp, MAX_DEPTH)
     worst = report(course, TRUTH)
