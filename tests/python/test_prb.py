@@ -250,7 +250,7 @@ def test_hidden_emitters_and_alpha_agree_with_analyticvolpath(variant):
 
 @pytest.mark.parametrize("variant", ["llvm_ad_spectral_polarized"], indirect=True)
 def test_polarised_variants_are_refused(variant):
-    with pytest.raises(RuntimeError, match="carries no polarisation.*use llvm_ad_spectral$"):
+    with pytest.raises(RuntimeError, match=r"carries no polarisation.*use llvm_ad_spectral"):
         mi.load_dict({"type": "prbanalyticvolpath"})
 
 
