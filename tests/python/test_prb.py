@@ -227,8 +227,8 @@ def test_images_agree_with_analyticvolpath(variant, make):
     scene = make(variant.split("_")[-1])
     scene["sensor"] |= {"film": scenes.film("rgb", 32)}
     passes = [
-        render_passes(scene | {"integrator": {"type": name, "max_depth": 6}}, 16, first_seed=seed)
-        for name, seed in (("analyticvolpath", 0), ("prbanalyticvolpath", 1000))
+        render_passes(scene, {"type": name, "max_depth": 6}, side, spp=16)
+        for side, name in enumerate(("analyticvolpath", "prbanalyticvolpath"))
     ]
     assert_agree(*passes, pixels=1024)
 
@@ -242,10 +242,16 @@ def test_hidden_emitters_and_alpha_agree_with_analyticvolpath(variant):
     del scene["floor"]
     options = {"max_depth": 4, "hide_emitters": True}
     passes = [
-        render_passes(scene | {"integrator": {"type": name} | options}, 16, first_seed=seed)
-        for name, seed in (("analyticvolpath", 0), ("prbanalyticvolpath", 1000))
+        render_passes(scene, {"type": name} | options, side, spp=16)
+        for side, name in enumerate(("analyticvolpath", "prbanalyticvolpath"))
     ]
     assert_agree(*passes, pixels=700)
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_spectral_polarized"], indirect=True)
+def test_polarised_variants_are_refused(variant):
+    with pytest.raises(RuntimeError, match=r"carries no polarisation.*use llvm_ad_spectral"):
+        mi.load_dict({"type": "prbanalyticvolpath"})
 
 
 # ---- Cost

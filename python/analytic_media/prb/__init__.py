@@ -18,6 +18,11 @@ def _create(props):
     """The integrator, from the classes of the variant: those of Mitsuba are made anew for each."""
     import mitsuba as mi
 
+    if "polarized" in mi.variant():
+        raise RuntimeError(
+            f"{NAME} carries no polarisation, and the variant is {mi.variant()}: "
+            f"use {mi.variant().removesuffix('_polarized')}"
+        )
     module = sys.modules.get(f"{__name__}.integrator")
     if module is None:
         module = importlib.import_module(".integrator", __name__)
