@@ -78,13 +78,15 @@ def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.1):
     """
     integrator = mi.load_dict(INTEGRATOR | {"max_depth": max_depth})
     params = mi.traverse(scene)
-    optimizer = mi.ad.Adam(lr=rate, beta_2=0.95)  # forgets the steep slopes of the start
+    optimizer = mi.ad.Adam(lr=rate, beta_2=0.98)  # forgets the steep slopes of the start
     for name, unknown in unknowns.items():
         optimizer[name] = unknown.forward(unknown.type()(unknown.start))
 
     target = mi.TensorXf(target)
     scale = 1 / (target + 0.1 * dr.mean(target, axis=None))
     course = Course(np.array(target), values={name: [] for name in unknowns})
+    _set(apply, params, unknowns, lambda name: unknowns[name].start)
+    course.first = np.array(mi.render(scene, spp=256))
     began = time.time()
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
         for step in range(steps):
@@ -103,12 +105,18 @@ def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.1):
             course.losses.append(loss.array[0])
             for name, value in values.items():
                 course.values[name].append(np.array(value).squeeze())
-            course.last = np.array(images[0])
-            course.first = course.last if step == 0 else course.first
             kernels = dr.kernel_history([dr.KernelType.JIT])
             course.compiled.append(sum(_is_new(kernel) for kernel in kernels))
     course.seconds = time.time() - began
+    _set(apply, params, unknowns, lambda name: course.found(name).tolist())
+    course.last = np.array(mi.render(scene, spp=256))
     return course
+
+
+def _set(apply, params, unknowns, value_of):
+    """Sets the parameters of the scene to known values."""
+    apply(params, **{name: unknown.type()(value_of(name)) for name, unknown in unknowns.items()})
+    params.update()
 
 
 def _is_new(kernel):

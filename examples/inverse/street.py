@@ -48,7 +48,7 @@ def main():
     course = fit(scene, apply, photograph, START, options.steps, options.spp, max_depth=8)
     worst = report(course, TRUTH)
     plot(course, TRUTH, options.output)
-    raise SystemExit(worst > 0.02)
+    raise SystemExit(int(worst > 0.02))
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ def apply(params, optical_depth, scale_height):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=80)
+    parser.add_argument("--steps", type=int, default=140)
     parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
     parser.add_argument("--photograph-spp", type=int, default=4096)
     parser.add_argument("--output", default="sunset_fit.png")
@@ -48,7 +48,7 @@ def main():
     course = fit(scene, apply, photograph, START, options.steps, options.spp, MAX_DEPTH)
     worst = report(course, TRUTH)
     plot(course, TRUTH, options.output)
-    raise SystemExit(worst > 0.02)
+    raise SystemExit(int(worst > 0.02))
 
 
 if __name__ == "__main__":
