@@ -8,25 +8,24 @@ and the sun are known; of the aerosol, its colour. The search begins with four t
 layer twice as deep.
 """
 
-import argparse
 from pathlib import Path
 
 import mitsuba as mi
 
 mi.set_variant("llvm_ad_rgb")
 
-from fit import Positive, fit, plot, report  # noqa: E402
+from fit import Positive, run  # noqa: E402
 
 import analytic_media  # noqa: E402, F401  (the plugins)
 
 SCENE = str(Path(__file__).parents[2] / "scenes" / "earth_sunset.xml")
+MAX_DEPTH = 5
 GREEN = 0.061  # σ_t of the aerosol on the ground in the scene, 1/km
 START = {
     "optical_depth": Positive(start=0.5),  # of the vertical, in green
     "scale_height": Positive(start=4.0),  # km
 }
 TRUTH = {"optical_depth": 2.0 * GREEN, "scale_height": 2.0}
-MAX_DEPTH = 5
 
 
 def apply(params, optical_depth, scale_height):
@@ -34,22 +33,6 @@ def apply(params, optical_depth, scale_height):
     params["air.aerosol.scale_height"] = scale_height
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=140)
-    parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
-    parser.add_argument("--photograph-spp", type=int, default=4096)
-    parser.add_argument("--output", default="sunset_fit.png")
-    options = parser.parse_args()
-
-    scene = mi.load_file(SCENE, res_x=64, res_y=36, max_depth=MAX_DEPTH)
-    photograph = mi.render(scene, spp=options.photograph_spp, seed=12345)
-
-    course = fit(scene, apply, photograph, START, options.steps, options.spp, MAX_DEPTH)
-    worst = report(course, TRUTH)
-    plot(course, TRUTH, options.output)
-    raise SystemExit(int(worst > 0.02))
-
-
 if __name__ == "__main__":
-    main()
+    scene = mi.load_file(SCENE, res_x=64, res_y=36, max_depth=MAX_DEPTH)
+    run(scene, apply, START, TRUTH, steps=140, max_depth=MAX_DEPTH)
