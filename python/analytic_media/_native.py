@@ -239,11 +239,7 @@ def radiance_by(
 ) -> None:
     """Air-light by a method of choice, for contiguous origins, directions, t0 and t1 in double
     precision."""
-
-    def packed(array, stride):
-        return _ffi.new("am_array_f64 *", [_ffi.cast("double *", array.ctypes.data), stride])[0]
-
-    items = [packed(array, stride) for array, stride in zip(arrays, (3, 3, 1, 1), strict=True)]
+    items = [_strided(Items(a, stride)) for a, stride in zip(arrays, (3, 3, 1, 1), strict=True)]
     out = _ffi.cast("double *", output.ctypes.data)
     n = arrays[-1].size
     _check(_lib.am_airlight_radiance_by(model.pointer, method, terms, n, *items, out))
@@ -261,19 +257,21 @@ class Items(NamedTuple):
     stride: int
 
 
+def _strided(items: Items):
+    """An `am_array`."""
+    form, number = _FORMS[items.array.dtype]
+    data = _ffi.cast(f"const {number} *", items.array.ctypes.data)
+    return _ffi.new(f"am_array_{form} *", [data, items.stride])[0]
+
+
 def ask(model: Model | None, question: str, n: int, inputs: Sequence[Items | int], outputs) -> None:
     """Ask `question` for `n` items; write to `outputs`, contiguous arrays of one float type.
 
     Without a model, `question` is a function of numbers.
     """
     form, number = _FORMS[outputs[0].dtype]
-
-    def strided(items):
-        data = _ffi.cast(f"const {number} *", items.array.ctypes.data)
-        return _ffi.new(f"am_array_{form} *", [data, items.stride])[0]
-
     function = getattr(_lib, f"am_{_prefix(model)}{question}_batch_{form}")
-    arguments = [item if isinstance(item, int) else strided(item) for item in inputs]
+    arguments = [item if isinstance(item, int) else _strided(item) for item in inputs]
     results = [_ffi.cast(f"{number} *", output.ctypes.data) for output in outputs]
     _check(function(*_pointer(model), n, *arguments, *results))
 

@@ -140,8 +140,7 @@ class AirLight:
           "closed_form", or as the paper has them "combined", "first" and "second", whose errors
           are large in many media
         """
-        ray = _arrays.point("o", o), _arrays.direction("d", d)
-        ends = _arrays.number("t0", t0), _arrays.limit("t1", t1)
+        segment = _segment(o, d, t0, t1)
         given = {"tolerance": tolerance, "method": method, "terms": terms}
         chosen = [name for name, value in given.items() if value is not None]
         if self._own is not None and chosen:
@@ -151,10 +150,10 @@ class AirLight:
         if tolerance is not None:
             return self.estimate(o, d, t0, t1, tolerance)[0]
         if method is not None:
-            return self._by(method, terms, [*ray, *ends])
+            return self._by(method, terms, segment)
         if self._own is None:
-            return _arrays.answer(self._model, "radiance", *ray, *ends, width=self._width)
-        shape, arrays = _arrays.broadcast([*ray, *ends])
+            return _arrays.answer(self._model, "radiance", *segment, width=self._width)
+        shape, arrays = _arrays.broadcast(segment)
         channels = self._width or (1,)
         result = np.empty(shape + channels, arrays[0].dtype)
         for item in np.ndindex(*shape):
@@ -171,10 +170,7 @@ class AirLight:
         return _arrays.answer(
             self._model,
             "radiance_within",
-            _arrays.point("o", o),
-            _arrays.direction("d", d),
-            _arrays.number("t0", t0),
-            _arrays.limit("t1", t1),
+            *_segment(o, d, t0, t1),
             _arrays.positive("tolerance", tolerance),
             outputs=2,
             width=self._width,
@@ -189,6 +185,12 @@ class AirLight:
         result = np.empty(shape + (self._width or (1,)))
         _native.radiance_by(self._model, known[method], terms, double, result)
         return result.reshape(shape + self._width)[()]
+
+
+def _segment(o, d, t0, t1) -> list[_arrays.Argument]:
+    """Part of a ray, from `t0` to `t1`."""
+    ray = _arrays.point("o", o), _arrays.direction("d", d)
+    return [*ray, _arrays.number("t0", t0), _arrays.limit("t1", t1)]
 
 
 def describe_light(position, intensity: Intensity) -> dict:

@@ -34,21 +34,14 @@ pub type Moments<R> = [R; 6];
 /// A(p, a, Y) of (1): `perigee` = p ≥ 0, `start` = a ≥ 0 and the `range` Y ≥ 0 in scale
 /// heights; Y may be infinite. p and a may be as large as the format holds.
 pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
-    let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
-    // g is 0/0 at the centre itself.
-    let least = if perigee.digits() <= 24 {
-        1e-37
-    } else {
-        1e-300
-    };
-    let perigee = perigee.max(perigee.lit(least));
-    // Height of the core, in which the series (2) takes over.
-    let core = one - perigee;
-    // A piece that is short beside its distance from the singularity needs no series.
-    let long = (start + perigee + perigee).lt(range * range.lit(4.0));
-    let cuts = start.lt(core) & long;
-    let begin = R::select(cuts, core, start);
-    let skipped = (begin - start).min(range);
+    let zero = perigee.lit(0.0);
+    let Cut {
+        perigee,
+        core,
+        cuts,
+        begin,
+        skipped,
+    } = Cut::new(perigee, start, range);
     let (half, quarter) = (perigee * perigee.lit(0.5), perigee.lit(0.25));
     let outside = decay(root(begin), range - skipped, |w| {
         (w + perigee) / w.mul_add(quarter, half).sqrt()
@@ -66,20 +59,53 @@ pub fn arc<R: Real>(perigee: R, start: R, range: R) -> R {
     )
 }
 
+/// Where the series (2) takes over from the quadrature.
+struct Cut<R: Real> {
+    /// p, not quite 0: g is 0/0 at the centre itself.
+    perigee: R,
+    /// Height of the core, in which there is the series.
+    core: R,
+    /// Whether the piece begins in the core, and the quadrature at its edge.
+    cuts: R::Mask,
+    /// Where the quadrature begins.
+    begin: R,
+    /// How much of the range lies before that.
+    skipped: R,
+}
+
+impl<R: Real> Cut<R> {
+    fn new(perigee: R, start: R, range: R) -> Self {
+        let least = if perigee.digits() <= 24 {
+            1e-37
+        } else {
+            1e-300
+        };
+        let perigee = perigee.max(perigee.lit(least));
+        let core = perigee.lit(1.0) - perigee;
+        // A piece that is short beside its distance from the singularity needs no series.
+        let long = (start + perigee + perigee).lt(range * range.lit(4.0));
+        let cuts = start.lt(core) & long;
+        let begin = R::select(cuts, core, start);
+        Self {
+            perigee,
+            core,
+            cuts,
+            begin,
+            skipped: (begin - start).min(range),
+        }
+    }
+}
+
 /// A(p, a, Y) of [`arc`], and what its derivatives are made of.
 pub fn moments<R: Real>(perigee: R, start: R, range: R) -> Moments<R> {
-    let (zero, one) = (perigee.lit(0.0), perigee.lit(1.0));
-    let least = if perigee.digits() <= 24 {
-        1e-37
-    } else {
-        1e-300
-    };
-    let perigee = perigee.max(perigee.lit(least));
-    let core = one - perigee;
-    let long = (start + perigee + perigee).lt(range * range.lit(4.0));
-    let cuts = start.lt(core) & long;
-    let begin = R::select(cuts, core, start);
-    let skipped = (begin - start).min(range);
+    let zero = perigee.lit(0.0);
+    let Cut {
+        perigee,
+        core,
+        cuts,
+        begin,
+        skipped,
+    } = Cut::new(perigee, start, range);
     let outside = outer_moments(perigee, begin, range - skipped);
     either_each(
         cuts,

@@ -60,6 +60,22 @@ pub struct Bell<R> {
     pub least: R,
 }
 
+/// A segment as pieces that lead away from the perigee.
+struct Sides<R: Real> {
+    /// Begins before the perigee.
+    inwards: R::Mask,
+    /// Begins before it, and ends behind it: there are two pieces.
+    turns: R::Mask,
+    /// Ends before it: the piece leads back.
+    falls: R::Mask,
+    /// Where the first piece begins, from the perigee.
+    near: R,
+    /// Its length.
+    length: R,
+    /// The length of the second piece, from the perigee.
+    beyond: R,
+}
+
 impl<R: Real> Bell<R> {
     /// The standard Gaussian e^(−|d + s e|²/2).
     pub fn standard(d: Vector<R>, e: Vector<R>) -> Self {
@@ -123,17 +139,34 @@ impl<R: Real> Bell<R> {
         )
     }
 
-    /// (2); t may be infinite.
-    pub fn column(&self, t: R) -> R {
+    /// The two sides of the perigee, for a segment of the length `t`.
+    fn sides(&self, t: R) -> Sides<R> {
         let zero = t.lit(0.0);
         let end = self.along + t;
         let inwards = self.along.lt(zero);
         let turns = inwards & zero.lt(end);
         let falls = inwards & !turns;
+        Sides {
+            inwards,
+            turns,
+            falls,
+            near: R::select(falls, -end, R::select(turns, zero, self.along)),
+            length: R::select(turns, -self.along, t),
+            beyond: R::select(turns, end, zero),
+        }
+    }
 
-        let near = R::select(falls, -end, R::select(turns, zero, self.along));
-        let length = R::select(turns, -self.along, t);
-        let beyond = R::select(turns, end, zero);
+    /// (2); t may be infinite.
+    pub fn column(&self, t: R) -> R {
+        let zero = t.lit(0.0);
+        let Sides {
+            turns,
+            falls,
+            near,
+            length,
+            beyond,
+            ..
+        } = self.sides(t);
         let gathered =
             self.outwards(near, length) + either(turns, || self.outwards(zero, beyond), || zero);
 
@@ -147,14 +180,14 @@ impl<R: Real> Bell<R> {
     /// (2) and its moments, with the exponentials of (2); t may be infinite.
     pub fn moments(&self, t: R) -> Moments<R> {
         let zero = t.lit(0.0);
-        let end = self.along + t;
-        let inwards = self.along.lt(zero);
-        let turns = inwards & zero.lt(end);
-        let falls = inwards & !turns;
-
-        let near = R::select(falls, -end, R::select(turns, zero, self.along));
-        let length = R::select(turns, -self.along, t);
-        let beyond = R::select(turns, end, zero);
+        let Sides {
+            inwards,
+            turns,
+            falls,
+            near,
+            length,
+            beyond,
+        } = self.sides(t);
         // The inner ends of both pieces lie here; the first leads back from there.
         let from = R::select(turns, -self.along, R::select(falls, t, zero)) * self.rate;
         let first = self.outward_moments(near, length);

@@ -3,6 +3,7 @@
 The class derives from one of Mitsuba's that is made anew for each variant: so is this module.
 """
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import drjit as dr
@@ -39,16 +40,18 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         self._differentiates = False
 
     def render_backward(self, *args, **options):
-        self._differentiates = True
-        try:
+        with self._differentiating():
             return super().render_backward(*args, **options)
-        finally:
-            self._differentiates = False
 
     def render_forward(self, *args, **options):
+        with self._differentiating():
+            return super().render_forward(*args, **options)
+
+    @contextmanager
+    def _differentiating(self):
         self._differentiates = True
         try:
-            return super().render_forward(*args, **options)
+            yield
         finally:
             self._differentiates = False
 
