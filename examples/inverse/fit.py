@@ -77,7 +77,7 @@ def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.1):
 
     The loss is the mean of the squared difference, each pixel's relative to its brightness in
     `target`. The square is the product of two independent renders, so that noise, which depends on
-    the unknowns, too, is no part of it. The rate of the steps falls to a tenth.
+    the unknowns, too, is no part of it. In the second half the rate of the steps falls to a tenth.
     """
     integrator = mi.load_dict(INTEGRATOR | {"max_depth": max_depth})
     params = mi.traverse(scene)
@@ -93,7 +93,7 @@ def fit(scene, apply, target, unknowns, steps, spp, max_depth, rate=0.1):
     began = time.time()
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
         for step in range(steps):
-            optimizer.set_learning_rate(rate * 0.1 ** (step / steps))
+            optimizer.set_learning_rate(rate * 0.1 ** max(0, 2 * step / steps - 1))
             values = {name: u.inverse(optimizer[name]) for name, u in unknowns.items()}
             apply(params, **values)
             params.update()

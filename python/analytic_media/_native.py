@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import cffi
 import numpy as np
@@ -290,52 +290,51 @@ def _pointer(model: Model | None) -> list:
 class Recording:
     """Questions that a host computes, operation by operation.
 
-    `host` has `digits` and a method for each of `OPERATIONS`. Its values stay in Python, on a
-    tape; the library sees their slots. Slot 0 stands for what could not be computed.
+    `host` has `digits` and a method for each of `OPERATIONS`. Its values stay in Python; the
+    library sees their slots, and what it makes of them is a `Program`. That depends on the kinds of
+    models and on the question alone, so it is kept.
     """
+
+    _programs: ClassVar[dict[tuple, "Program"]] = {}
 
     def __init__(self, host):
         self._host = host
         self._values = [None]
-        self._error: BaseException | None = None
-        self._handle = _ffi.new_handle(self)
-        fields = {"tape": self._handle, "digits": host.digits, **_ENTRIES}
-        self._table = _ffi.new("am_host_table *", fields)
+        # What a program depends on, but for the question.
+        self._kinds: list = [host.digits]
 
     def profile(self, number: int, values: Sequence) -> Model:
         """A profile of the kind `number` with values of the host."""
-        slots = [self._put(value) for value in values]
-        return Model("profile", _ffi.new("am_profile_nodes *", [number, slots]))
+        self._kinds.append(number)
+        return Model("profile", _ffi.new("am_profile_nodes *", [number, self._put(values)]))
 
     def medium(self, profiles: Sequence[Model], sigma_t: Sequence[Sequence]) -> Model:
         """A medium; `sigma_t` has a row of values of the host, one per channel, per profile."""
         structs = _ffi.new("am_profile_nodes[]", [p.pointer[0] for p in profiles])
-        slots = _ffi.new("am_node[]", [self._put(value) for row in sigma_t for value in row])
+        slots = _ffi.new("am_node[]", [slot for row in sigma_t for slot in self._put(row)])
         pointer = _ffi.new("am_medium_nodes *", [structs, slots, len(sigma_t), len(sigma_t[0])])
         return Model("medium", pointer, (structs, slots))
 
     def sunlit_fog(self, profile: Model, sigma_s: Sequence, sigma_t: Sequence) -> Model:
         """A fog in the sun; coefficients are values of the host, one per channel."""
-        slots = [
-            _ffi.new("am_node[]", [self._put(value) for value in sigma])
-            for sigma in (sigma_s, sigma_t)
-        ]
+        slots = [_ffi.new("am_node[]", self._put(sigma)) for sigma in (sigma_s, sigma_t)]
         fields = [profile.pointer[0], *slots, len(sigma_t)]
         return Model("sunlit_fog", _ffi.new("am_sunlit_fog_nodes *", fields), tuple(slots))
 
     def airlight(self, light: dict, phase: dict, sigma_s: Sequence, sigma_t: Sequence) -> Model:
         """A point light in a uniform medium, its numbers values of the host."""
-        slots = [_ffi.new("am_node[]", [self._put(s) for s in row]) for row in (sigma_s, sigma_t)]
+        kinds = choices("light_kind")[light["kind"]], choices("phase_kind")[phase["kind"]]
+        self._kinds += [*kinds, light["exponent"]]
+        slots = [_ffi.new("am_node[]", self._put(row)) for row in (sigma_s, sigma_t)]
         pointer = _ffi.new("am_airlight_nodes *", {"n_channels": len(sigma_s)})
         pointer.sigma_s, pointer.sigma_t = slots
-        pointer.light.kind = choices("light_kind")[light["kind"]]
+        pointer.light.kind, pointer.phase.kind = kinds
         pointer.light.exponent = light["exponent"]
         for name in ("position", "axis"):
-            setattr(pointer.light, name, [self._put(x) for x in light[name]])
-        for name in ("cutoff_angle", "beam_width"):
             setattr(pointer.light, name, self._put(light[name]))
-        pointer.phase.kind = choices("phase_kind")[phase["kind"]]
-        pointer.phase.g = self._put(phase["g"])
+        for name in ("cutoff_angle", "beam_width"):
+            setattr(pointer.light, name, *self._put([light[name]]))
+        (pointer.phase.g,) = self._put([phase["g"]])
         return Model("airlight", pointer, tuple(slots))
 
     def ask(
@@ -345,49 +344,95 @@ class Recording:
 
         Without a model, `question` is a function of numbers. `inputs` are tuples of one value
         (numbers) or three (points), or ints (indices).
-        Raises what a method of the host raised.
         """
-        results = [_ffi.new("am_node[]", width) for _ in range(outputs)]
+        function = f"am_{_prefix(model)}{question}_record"
         arguments = [self._argument(value) for value in inputs]
-        function = getattr(_lib, f"am_{_prefix(model)}{question}_record")
-        status = function(self._table, *_pointer(model), *arguments, *results)
-        if self._error is not None:
-            raise self._error
-        _check(status)
-        return [[self._values[slot] for slot in slots] for slots in results]
+        indices = [i for i in inputs if isinstance(i, int)]
+        key = (function, *self._kinds, *indices, len(self._values), outputs, width)
+        program = self._programs.get(key)
+        if program is None:
+            slots = [_ffi.new("am_node[]", width) for _ in range(outputs)]
+            program = Program(len(self._values))
+            handle = _ffi.new_handle(program)
+            fields = {"tape": handle, "digits": self._host.digits, **_ENTRIES}
+            table = _ffi.new("am_host_table *", fields)
+            _check(getattr(_lib, function)(table, *_pointer(model), *arguments, *slots))
+            program.keep([slot for row in slots for slot in row])
+            self._programs[key] = program
+        results = program.run(self._host, self._values)
+        return [results[i : i + width] for i in range(0, len(results), width)]
 
     def _argument(self, value):
         if isinstance(value, int):
             return value
-        slots = [self._put(component) for component in value]
+        slots = self._put(value)
         return slots[0] if len(slots) == 1 else _ffi.new("am_node[]", slots)
 
-    def _put(self, value) -> int:
-        self._values.append(value)
-        return len(self._values) - 1
+    def _put(self, values: Sequence) -> list[int]:
+        first = len(self._values)
+        self._values += values
+        return list(range(first, len(self._values)))
 
-    def _literal(self, value: float) -> int:
-        return self._run(self._host.literal, value)
 
-    def _operate(self, name: str, slots: Sequence[int]) -> int:
-        if 0 in slots:
-            return 0
-        return self._run(getattr(self._host, name), *(self._values[slot] for slot in slots))
+class Program:
+    """Operations on slots. The first ones, `given` with slot 0, are given; each step has the next.
 
-    def _run(self, operation, *values) -> int:
-        try:
-            return self._put(operation(*values))
-        except BaseException as error:  # must not reach C; `ask` raises it
-            self._error = self._error or error
-            return 0
+    Slot 0 stands for what could not be computed.
+    """
+
+    def __init__(self, given: int):
+        self._given = given
+        self._steps: list[tuple[str, tuple]] = []
+        self._known: dict[tuple, int] = {}
+        self._results: list[int] = []
+
+    def literal(self, value: float) -> int:
+        return self._slot(value.hex(), "literal", (value,))  # 0.0 is another number than -0.0
+
+    def operate(self, name: str, slots: tuple[int, ...]) -> int:
+        return self._slot(slots, name, slots)
+
+    def _slot(self, operands, name, arguments) -> int:
+        """That of a step: the same for the same step."""
+        new = self._given + len(self._steps)
+        slot = self._known.setdefault((name, operands), new)
+        if slot == new:
+            self._steps.append((name, arguments))
+        return slot
+
+    def keep(self, results: list[int]) -> None:
+        """Ends the recording: keeps the steps that the slots `results` depend on."""
+        needed = set(results)
+        for slot, (name, arguments) in reversed(list(enumerate(self._steps, self._given))):
+            if slot in needed and name != "literal":
+                needed.update(arguments)
+        moved = {slot: slot for slot in range(self._given)}
+        kept = []
+        for slot, (name, arguments) in enumerate(self._steps, self._given):
+            if slot in needed:
+                moved[slot] = self._given + len(kept)
+                known = arguments if name == "literal" else tuple(moved[i] for i in arguments)
+                kept.append((name, known))
+        self._steps, self._known = kept, {}
+        self._results = [moved[slot] for slot in results]
+
+    def run(self, host, given: Sequence) -> list:
+        """The results, computed by `host`. Raises what a method of the host raises."""
+        operations = {name: getattr(host, name) for name, _ in self._steps}
+        values = list(given)
+        for name, arguments in self._steps:
+            if name != "literal":
+                arguments = [values[slot] for slot in arguments]
+            values.append(operations[name](*arguments))
+        return [values[slot] for slot in self._results]
 
 
 def _entry(name: str, signature):
     """The function for an entry of the host table."""
     if name == "literal":
-        return _ffi.callback(signature, lambda tape, x: _ffi.from_handle(tape)._literal(x))
+        return _ffi.callback(signature, lambda tape, x: _ffi.from_handle(tape).literal(x))
     return _ffi.callback(
-        signature, lambda tape, *slots: _ffi.from_handle(tape)._operate(name, slots)
+        signature, lambda tape, *slots: _ffi.from_handle(tape).operate(name, slots)
     )
 
 

@@ -329,12 +329,12 @@ ARGUMENTS = {
     "extinction": POINT,
     "free_flight": (*SEGMENT, "tau"),
 }
-COSTS = {  # operations in single precision, literals aside
+COSTS = {  # different operations in single precision, literals aside
     "constant": {"density": 0, "column": 0, "inv_column": 0, "bounds": 0, "bounds_box": 0},
-    "linear": {"density": 6, "column": 37, "inv_column": 37, "bounds": 127, "bounds_box": 191},
-    "exponential": {"density": 8, "column": 75, "inv_column": 82, "bounds": 165, "bounds_box": 229},
-    "exponential medium": {"transmittance": 81, "free_flight": 90, "pdf": 102},
-    "exponential and constant": {"transmittance": 86, "free_flight": 2594, "pdf": 112},
+    "linear": {"density": 6, "column": 36, "inv_column": 36, "bounds": 116, "bounds_box": 153},
+    "exponential": {"density": 8, "column": 71, "inv_column": 78, "bounds": 129, "bounds_box": 166},
+    "exponential medium": {"transmittance": 77, "free_flight": 86, "pdf": 97},
+    "exponential and constant": {"transmittance": 82, "free_flight": 1587, "pdf": 106},
 }
 
 

@@ -15,8 +15,9 @@ common = mi.ad.integrators.common  # an import would find that of the first vari
 
 VARIANT = mi.variant()
 # How much more probable than in nature collisions are on rays that leave the scene: those from the
-# camera, and others.
-CAMERA_GAIN, SCATTERED_GAIN = 16.0, 4.0
+# camera, and others. Measured by benches/gradient_noise.py, as is the depth of roulette.
+CAMERA_GAIN, SCATTERED_GAIN = 16.0, 2.0
+ROULETTE_DEPTH = 4
 MAX_SURVIVAL = 0.95
 
 
@@ -28,9 +29,8 @@ class PrbAnalyticVolpath(common.RBIntegrator):
     """
 
     def __init__(self, props):
-        # Ours is another default than that of stock; the same as of analyticvolpath.
-        roulette = props.get("rr_depth", 2)
-        super().__init__(props)
+        roulette = props.get("rr_depth", ROULETTE_DEPTH)
+        super().__init__(props)  # whose default is another
         self.rr_depth = roulette
         self._lights = props.get("emitter_samples", 1)
         if not 1 <= self._lights <= 64:
@@ -96,6 +96,11 @@ class PrbAnalyticVolpath(common.RBIntegrator):
             # ---- The segment: where it would end, and where it collides
             si = scene.ray_intersect(ray, active)
             reach = mi.Float(si.t)
+            if dr.hint(permeable, mode="scalar"):
+                # Where nothing is behind the boundary of a medium, the ray leaves the scene there.
+                exits = active & _leads_out(si, ray)
+                behind = scene.ray_intersect(si.spawn_ray(ray.d), exits)
+                si[exits & ~behind.is_valid()] = behind
             if dr.hint(self.hide_emitters, mode="scalar"):
                 hidden = active & si.is_valid() & (depth == 0)
                 hidden &= si.shape.is_emitter()
@@ -426,6 +431,15 @@ def _clip(one, ray, reach, active):
     near = dr.select(hit, near, 0)
     length = dr.select(hit, dr.maximum(dr.minimum(reach, far) - near, 0), 0)
     return dr.detach(ray(near)), dr.detach(near), dr.detach(length)
+
+
+def _leads_out(si, ray):
+    """Whether a ray goes on from a surface as if that were not there, through no medium."""
+    bsdf = si.bsdf(ray)
+    kind = bsdf.flags() & (mi.BSDFFlags.All | +mi.BSDFFlags.Null)
+    invisible = (bsdf != None) & (kind == +mi.BSDFFlags.Null)  # noqa: E711
+    invisible &= si.is_valid() & si.is_medium_transition() & ~si.shape.is_emitter()
+    return invisible & (si.target_medium(ray.d) == None)  # noqa: E711
 
 
 def _ratio(a, b):
