@@ -267,7 +267,7 @@ def main():
     parser.add_argument("--variant", default="llvm_ad_rgb")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--passes", type=int, default=8, help="of a method in a round")
-    parser.add_argument("--seconds", type=float, default=4.0, help="CPU time of a method's round")
+    parser.add_argument("--seconds", type=float, default=24.0, help="CPU time of a method's round")
     options = parser.parse_args()
 
     import analytic_media  # noqa: F401, registers the plugins

@@ -385,6 +385,7 @@ class Program:
         self._steps: list[tuple[str, tuple]] = []
         self._known: dict[tuple, int] = {}
         self._results: list[int] = []
+        self._operations: set[str] = set()
 
     def literal(self, value: float) -> int:
         return self._slot(value.hex(), "literal", (value,))  # 0.0 is another number than -0.0
@@ -415,10 +416,11 @@ class Program:
                 kept.append((name, known))
         self._steps, self._known = kept, {}
         self._results = [moved[slot] for slot in results]
+        self._operations = {name for name, _ in kept}
 
     def run(self, host, given: Sequence) -> list:
         """The results, computed by `host`. Raises what a method of the host raises."""
-        operations = {name: getattr(host, name) for name, _ in self._steps}
+        operations = {name: getattr(host, name) for name in self._operations}
         values = list(given)
         for name, arguments in self._steps:
             if name != "literal":

@@ -14,9 +14,10 @@ from . import baseline, flight, media
 common = mi.ad.integrators.common  # an import would find that of the first variant
 
 VARIANT = mi.variant()
-# How much more probable than in nature collisions are on rays that leave the scene: those from the
-# camera, and others. Measured by benches/gradient_noise.py, as is the depth of roulette.
-CAMERA_GAIN, SCATTERED_GAIN = 16.0, 2.0
+# How much more probable than in nature collisions are, and up to which probability: on rays from
+# the camera that leave the scene, on others that do, and on rays from the camera that meet a
+# surface. Measured by benches/gradient_noise.py, as is the depth of roulette.
+CAMERA_GAIN, SCATTERED_GAIN, SURFACE_GAIN = (16.0, 1.0), (2.0, 1.0), (3.0, 0.7)
 ROULETTE_DEPTH = 4
 MAX_SURVIVAL = 0.95
 
@@ -111,8 +112,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
 
             with dr.resume_grad(when=not primal):
                 goes_on = active & (depth + 1 < self.max_depth)
-                leaves = ~si.is_valid()
-                gain = dr.select(leaves, dr.select(depth == 0, CAMERA_GAIN, SCATTERED_GAIN), 1)
+                gain = _gain(~si.is_valid(), depth == 0)
                 through, event = self._fly(
                     matter, sampler, ray, reach, medium, throughput, gain, goes_on, active
                 )
@@ -166,6 +166,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                 context = mi.BSDFContext()
                 phase_context = mi.PhaseFunctionContext(sampler)
                 bsdf = si.bsdf(ray)
+                solid = si.is_valid() & ~mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
                 bsdf = dr.select(surface, bsdf, dr.zeros(mi.BSDFPtr))
                 phase = medium.phase_function()
                 phase = dr.select(collided, phase, dr.zeros(mi.PhaseFunctionPtr))
@@ -254,7 +255,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
             direction = dr.select(collided, wo, si.to_world(bs.wo))
             ray = dr.detach(here.spawn_ray(direction))
             medium[surface & si.is_medium_transition()] = si.target_medium(direction)
-            valid |= (scattered & (event.natural | surface)) & (depth == 0)
+            valid |= scattered & (event.natural | surface | solid) & (depth == 0)
             valid |= shines & si.is_valid() & (depth == 0)
             last[scattered] = here
             last_pdf[scattered] = pdf
@@ -305,7 +306,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         with dr.suspend_grad():
             losses = flight.opacity(dr.detach(depth))
             natural = dr.select(may_collide, dr.sum(chances * losses), 0)
-            chance = dr.minimum(gain * natural, 1)
+            chance = dr.maximum(natural, dr.minimum(gain[0] * natural, gain[1]))
             event.collided = may_collide & (u < chance)
             event.may_collide = may_collide
             event.natural = event.collided & (u < natural)
@@ -409,6 +410,16 @@ class _Event:
     # Contribution over probability, of a collision but for the albedo, and of the end.
     weight: object = field(default_factory=_zero)
     passing: object = field(default_factory=lambda: mi.Spectrum(1))
+
+
+def _gain(leaves, first):
+    """The factor of a ray's probability to collide, and the probability up to which it counts."""
+    return [
+        dr.select(leaves, dr.select(first, camera, scattered), dr.select(first, surface, 1))
+        for camera, scattered, surface in zip(
+            CAMERA_GAIN, SCATTERED_GAIN, SURFACE_GAIN, strict=True
+        )
+    ]
 
 
 def _interaction(ray, t, medium):
