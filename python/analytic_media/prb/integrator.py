@@ -112,7 +112,10 @@ class PrbAnalyticVolpath(common.RBIntegrator):
 
             with dr.resume_grad(when=not primal):
                 goes_on = active & (depth + 1 < self.max_depth)
-                gain = _gain(~si.is_valid(), depth == 0)
+                bsdf = si.bsdf(ray)
+                # Elsewhere more collisions would leave it open what alpha a ray has.
+                solid = si.is_valid() & ~mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
+                gain = _gain(~si.is_valid(), solid, depth == 0)
                 through, event = self._fly(
                     matter, sampler, ray, reach, medium, throughput, gain, goes_on, active
                 )
@@ -165,8 +168,6 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                 # ---- Light sources
                 context = mi.BSDFContext()
                 phase_context = mi.PhaseFunctionContext(sampler)
-                bsdf = si.bsdf(ray)
-                solid = si.is_valid() & ~mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
                 bsdf = dr.select(surface, bsdf, dr.zeros(mi.BSDFPtr))
                 phase = medium.phase_function()
                 phase = dr.select(collided, phase, dr.zeros(mi.PhaseFunctionPtr))
@@ -412,10 +413,14 @@ class _Event:
     passing: object = field(default_factory=lambda: mi.Spectrum(1))
 
 
-def _gain(leaves, first):
+def _gain(leaves, solid, first):
     """The factor of a ray's probability to collide, and the probability up to which it counts."""
     return [
-        dr.select(leaves, dr.select(first, camera, scattered), dr.select(first, surface, 1))
+        dr.select(
+            leaves,
+            dr.select(first, camera, scattered),
+            dr.select(solid & first, surface, 1),
+        )
         for camera, scattered, surface in zip(
             CAMERA_GAIN, SCATTERED_GAIN, SURFACE_GAIN, strict=True
         )
