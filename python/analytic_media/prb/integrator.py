@@ -192,24 +192,20 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                     value = dr.select(surface, bsdf_value, phase_value)
                     pdf = dr.detach(dr.select(surface, bsdf_pdf, phase_pdf))
                     mis = common.mis_weight(ds.pdf * lights, dr.select(ds.delta, 0, pdf))
-                    shadow = here.spawn_ray_to(ds.p)
                     side = mi.MediumPtr(medium)
                     side[surface & si.is_medium_transition()] = si.target_medium(ds.d)
                     infinite = mi.has_flag(ds.emitter.flags(), mi.EmitterFlags.Infinite)
+                    # The size of the scene is no part of it: a frozen function would not know it.
+                    shadow = dr.select(infinite, here.spawn_ray(ds.d), here.spawn_ray_to(ds.p))
                     sees &= (pdf > 0) & dr.any(dr.detach(light) != 0)
                     if dr.hint(permeable, mode="scalar"):
+                        through_first, beyond, farther, goes_on = self._segment(
+                            scene, matter, shadow, side, infinite, sees
+                        )
+                        rest = scene, matter, beyond, farther, infinite
                         with dr.suspend_grad():
-                            passed = self._pass(
-                                scene,
-                                matter,
-                                shadow,
-                                side,
-                                infinite,
-                                sees,
-                                dr.ADMode.Primal,
-                                None,
-                                None,
-                            )
+                            passed, meets = self._pass(*rest, goes_on, dr.ADMode.Primal, None, None)
+                        passed *= through_first
                     else:
                         passed = self._unobstructed(scene, matter, shadow, side, infinite, sees)
                     direct = dr.select(
@@ -221,17 +217,8 @@ class PrbAnalyticVolpath(common.RBIntegrator):
                         L -= dr.detach(direct)
                         Lo += direct
                         if dr.hint(permeable, mode="scalar"):
-                            δL = self._pass(
-                                scene,
-                                matter,
-                                shadow,
-                                side,
-                                infinite,
-                                sees,
-                                mode,
-                                dr.detach(direct),
-                                δL,
-                            )
+                            goes_on &= meets & dr.any(dr.detach(direct) != 0)
+                            δL = self._pass(*rest, goes_on, mode, dr.detach(direct), δL)
 
                 # ---- The next direction
                 u1, u2 = sampler.next_1d(active), sampler.next_2d(active)
@@ -335,37 +322,46 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         through = self._through(matter, ray, medium, ray.maxt, infinite, active)
         return dr.select(scene.ray_test(ray, active), 0, through)
 
+    def _segment(self, scene, matter, ray, medium, infinite, active):
+        """A shadow ray up to a surface and through it: what passes, and the ray from there on."""
+        with dr.suspend_grad():
+            si = scene.ray_intersect(ray, active)
+        surface = active & si.is_valid()
+        end = dr.select(surface, si.t, ray.maxt)
+        through = self._through(matter, ray, medium, end, infinite & ~surface, active)
+        bsdf = si.bsdf(ray)
+        through *= dr.select(surface, bsdf.eval_null_transmission(si, surface), 1)
+        beyond = dr.detach(dr.select(surface, si.spawn_ray(ray.d), ray))
+        beyond.maxt = ray.maxt - end
+        side = mi.MediumPtr(medium)
+        side[surface & si.is_medium_transition()] = si.target_medium(ray.d)
+        goes_on = surface & (beyond.maxt > 0) & dr.any(dr.detach(through) != 0)
+        return through, beyond, side, goes_on
+
     @dr.syntax
     def _pass(self, scene, matter, ray, medium, infinite, active, mode, light, δL):
-        """Transmittance of a shadow ray through the boundaries of media.
+        """Transmittance of a shadow ray through the boundaries of media, and whether it meets one.
 
         With the light that passes, `light`, and its adjoint, differentiates it instead: the
         result is the new adjoint.
         """
         primal = mode == dr.ADMode.Primal
         ray, medium, active = mi.Ray3f(ray), mi.MediumPtr(medium), mi.Bool(active)
-        rest = mi.Float(ray.maxt)
-        passed = mi.Spectrum(1)
+        passed, meets = mi.Spectrum(1), mi.Bool(False)
         δL = mi.Spectrum(0 if primal else δL)
         light = mi.Spectrum(0 if primal else light)
         while dr.hint(active, label=f"prbanalyticvolpath shadow ({mode.name})"):
-            ray.maxt = rest
-            si = scene.ray_intersect(ray, active)
-            surface = active & si.is_valid()
+            meets |= active & (medium != None)  # noqa: E711
             with dr.resume_grad(when=not primal):
-                end = dr.select(surface, si.t, rest)
-                through = self._through(matter, ray, medium, end, infinite & ~surface, active)
-                bsdf = si.bsdf(ray)
-                through *= dr.select(surface, bsdf.eval_null_transmission(si, surface), 1)
+                through, ray, medium, goes_on = self._segment(
+                    scene, matter, ray, medium, infinite, active
+                )
                 if dr.hint(not primal, mode="scalar"):
                     Lo = dr.select(active, light * _relative(through), 0)
                     δL += _propagate(mode, δL, Lo)
             passed[active] *= dr.detach(through)
-            medium[surface & si.is_medium_transition()] = si.target_medium(ray.d)
-            rest -= end
-            ray = dr.detach(dr.select(surface, si.spawn_ray(ray.d), ray))
-            active &= surface & (rest > 0) & dr.any(passed != 0)
-        return passed if primal else δL
+            active &= goes_on
+        return (passed, meets) if primal else δL
 
     def _through(self, matter, ray, medium, end, infinite, active):
         """Transmittance of a segment up to `end`, or of all that is behind it, too."""
