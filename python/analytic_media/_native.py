@@ -377,7 +377,7 @@ class Recording:
 class Program:
     """Operations on slots. The first ones, `given` with slot 0, are given; each step has the next.
 
-    Slot 0 stands for what could not be computed.
+    Slot 0 stands for what could not be recorded: an interrupt in a callback leaves it behind.
     """
 
     def __init__(self, given: int):
@@ -391,7 +391,7 @@ class Program:
         return self._slot(value.hex(), "literal", (value,))  # 0.0 is another number than -0.0
 
     def operate(self, name: str, slots: tuple[int, ...]) -> int:
-        return self._slot(slots, name, slots)
+        return 0 if 0 in slots else self._slot(slots, name, slots)
 
     def _slot(self, operands, name, arguments) -> int:
         """That of a step: the same for the same step."""
