@@ -17,7 +17,7 @@ dr = pytest.importorskip("drjit", reason="Dr.Jit is not installed")
 
 SIZE = 12
 PATHS = {"max_depth": 5, "rr_depth": 1000}
-SPP, SEEDS = 256, 6
+SPP, SEEDS = 256, 12
 
 EXPONENTIAL = {"type": "analytic", "sigma_t": 0.6, "albedo": 0.8, "phase": scenes.PHASE}
 EXPONENTIAL |= scenes.EXPONENTIAL
@@ -198,7 +198,7 @@ def test_forward_mode_agrees_with_reverse_mode(variant, weights, name):
     """The same paths: equal but for rounding. Two parameters at once, whose derivatives add up."""
     scene, params, directions = load(name, variant)
     directions = {key: directions[key] for key in list(directions)[:2]}
-    reverse = sum(backward(scene, params, directions, weights, 64, 3))
+    reverse = sum(backward(scene, params, directions, weights, 64, 3, follow_adjoint=False))
     for key in directions:
         dr.enable_grad(params[key])
     params.update()
@@ -206,6 +206,71 @@ def test_forward_mode_agrees_with_reverse_mode(variant, weights, name):
         dr.set_grad(params[key], direction)
     image = integrator().render_forward(scene, params, seed=3, spp=64)
     assert np.mean(np.array(image) * weights) == pytest.approx(reverse, rel=1e-4)
+
+
+# ---- Paths that follow the adjoint image
+
+
+@rgb
+def test_paths_are_as_many_as_asked_for(variant, rng):
+    """A tenth goes to every pixel alike, the rest in proportion."""
+    from analytic_media.prb import camera
+
+    for samples, pixels in ((1, 100), (16, 100), (64, 1000)):
+        importance = rng.uniform(0, 1, pixels) ** 8
+        found = np.diff(np.array(camera.counts(mi.Float(importance), samples)), prepend=0)
+        assert found.sum() == samples * pixels
+        least = max(samples // 10, 1)
+        expected = least + (samples - least) * importance / importance.mean()
+        assert np.abs(found - expected).max() <= 2 + 1e-4 * expected.max()
+    even = np.array(camera.counts(mi.Float(np.zeros(7)), 16))
+    np.testing.assert_array_equal(even, 16 * np.arange(1, 8))
+
+
+@jit
+@pytest.mark.parametrize("rfilter", ["box", "gaussian"])
+@pytest.mark.parametrize("crop", [False, True])
+def test_paths_that_follow_the_adjoint_have_the_same_mean(variant, rng, rfilter, crop):
+    """With less noise, where the adjoint is that of a corner of the image."""
+    gc.collect()
+    scene = height_fog("")
+    width, height = (SIZE - 3, SIZE - 2) if crop else (SIZE, SIZE)
+    scene["sensor"]["film"] |= {"rfilter": {"type": rfilter}, "sample_border": crop}
+    if crop:
+        scene["sensor"]["film"] |= {"crop_offset_x": 2, "crop_offset_y": 1}
+        scene["sensor"]["film"] |= {"crop_width": width, "crop_height": height}
+    scene = mi.load_dict(scene)
+    params = mi.traverse(scene)
+    key = next(k for k in params.keys() if k.endswith("scale_height"))  # noqa: SIM118
+    weights = np.zeros((height, width, 3))
+    weights[-4:, :3] = rng.uniform(-0.5, 1.5, (4, 3, 3))
+    even, followed = (
+        np.ravel(
+            [
+                backward(scene, params, {key: params[key]}, weights, 32, seed, follow_adjoint=on)
+                for seed in range(16)
+            ]
+        )
+        for on in (False, True)
+    )
+    error = np.hypot(even.std(ddof=1), followed.std(ddof=1)) / 4
+    print(f"\n    {even.mean():.5f}, {followed.mean():.5f}, error {error:.5f}", end="")
+    assert abs(even.mean() - followed.mean()) < 3.5 * error
+    assert followed.var(ddof=1) < 0.5 * even.var(ddof=1)
+
+
+@rgb
+def test_an_infinite_adjoint_is_followed_by_no_paths(variant, weights):
+    from analytic_media.prb import camera
+
+    gc.collect()
+    weights[3, 4] = np.inf
+    film = mi.load_dict(scenes.film("rgb", SIZE))
+    film.prepare([])
+    splat = mi.ad.integrators.common.ADIntegrator._splat_to_block
+    found = np.array(camera.importance(splat, film, mi.TensorXf(weights)))
+    expected = np.where(np.isfinite(weights), weights, 0).sum(-1).ravel()
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
 # ---- Images

@@ -778,13 +778,14 @@ private:
                 active &= !twice;
         }
 
-        Ray3f ray = here.spawn_ray_to(ds.p);
+        const Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
+        // The size of the scene is no part of it: a frozen function would not know it.
+        const Ray3f ray = dr::select(infinite, here.spawn_ray(ds.d), here.spawn_ray_to(ds.p));
         MediumPtr medium = path.medium;
         if (found.media() && found.permeable && dr::any_or<true>(at_surface)) {
             Mask crosses = at_surface && v.si.is_medium_transition();
             dr::masked(medium, crosses) = v.si.target_medium(ray.d);
         }
-        Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
         Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
         Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
                                dr::select(ds.delta, 0.f, value_pdf));

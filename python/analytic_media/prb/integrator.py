@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import drjit as dr
 import mitsuba as mi
 
-from . import baseline, flight, media
+from . import baseline, camera, flight, media
 
 common = mi.ad.integrators.common  # an import would find that of the first variant
 
@@ -36,17 +36,24 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         self._lights = props.get("emitter_samples", 1)
         if not 1 <= self._lights <= 64:
             raise ValueError(f"emitter_samples must be between 1 and 64, got {self._lights}")
+        self.follow_adjoint = props.get("follow_adjoint", True)
         self._known = media.Known()
         self._medium = None
         self._differentiates = False
 
-    def render_backward(self, *args, **options):
-        with self._differentiating():
-            return super().render_backward(*args, **options)
-
     def render_forward(self, *args, **options):
         with self._differentiating():
             return super().render_forward(*args, **options)
+
+    def render_backward(self, scene, params, grad_in, sensor=0, seed=0, spp=0):
+        sensor = scene.sensors()[sensor] if isinstance(sensor, int) else sensor
+        # Strata of other samplers are those of pixels that have as many paths each.
+        follows = self.follow_adjoint and _is_independent(sensor.sampler())
+        with self._differentiating():
+            if follows:
+                self._follow(scene, sensor, grad_in, seed, spp)
+            else:
+                super().render_backward(scene, params, grad_in, sensor, seed, spp)
 
     @contextmanager
     def _differentiating(self):
@@ -55,6 +62,20 @@ class PrbAnalyticVolpath(common.RBIntegrator):
             yield
         finally:
             self._differentiates = False
+
+    def _follow(self, scene, sensor, derivative, seed, spp):
+        """Reverse mode, with paths where the derivative by the image is large."""
+        splat, film = common.ADIntegrator._splat_to_block, sensor.film()
+        self._medium = sensor.get_medium()
+        with dr.suspend_grad():
+            sampler, spp = self.prepare(sensor, seed, spp)
+            importance = camera.importance(splat, film, derivative)
+            start = camera.start(sensor, sampler, camera.counts(importance, spp))
+            path = {"scene": scene, "ray": start.ray}
+            δL = camera.adjoint(splat, film, start, derivative)
+            *_, state = self.sample(dr.ADMode.Primal, sampler=sampler.clone(), **path)
+            self.sample(dr.ADMode.Backward, sampler=sampler, δL=δL, state_in=state, **path)
+            dr.eval()
 
     def sample_rays(self, scene, sensor, sampler):
         self._medium = sensor.get_medium()
@@ -262,7 +283,7 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         if dr.hint(len(records) > 0, mode="scalar"):
             dr.eval(L, records)  # sums over paths would run the loop once for each
             samples = sampler.sample_count()
-            independent = sampler.class_name() == "IndependentSampler"
+            independent = _is_independent(sampler)
             baselines = [record.mean(L, samples, independent) for record in records]
         return L if primal else δL, valid, [], (L, baselines)
 
@@ -378,8 +399,13 @@ class PrbAnalyticVolpath(common.RBIntegrator):
     def to_string(self):
         return (
             f"PrbAnalyticVolpath[\n  max_depth = {self.max_depth},\n  rr_depth = {self.rr_depth},\n"
-            f"  hide_emitters = {self.hide_emitters}\n]"
+            f"  hide_emitters = {self.hide_emitters},\n  emitter_samples = {self._lights},\n"
+            f"  follow_adjoint = {self.follow_adjoint}\n]"
         )
+
+
+def _is_independent(sampler):
+    return sampler.class_name() == "IndependentSampler"
 
 
 def _zero():
