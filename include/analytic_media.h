@@ -2883,6 +2883,61 @@ am_status am_profile_inv_column_record(const struct am_host_table *host,
                                        am_node column,
                                        am_node *t);
 
+// The same for a column that the ray is known to gather, at less cost: the distance means
+// nothing otherwise. For free flights that are known to end in a collision. A host's
+// derivatives do not go through it.
+//
+// # Safety
+// As for `am_profile_inv_column_f64`.
+am_status am_profile_inv_reached_column_f64(const struct am_profile *profile,
+                                            const double *origin,
+                                            const double *direction,
+                                            double column,
+                                            double *t);
+
+// `am_profile_inv_reached_column_f64` in single precision.
+//
+// # Safety
+// As there.
+am_status am_profile_inv_reached_column_f32(const struct am_profile *profile,
+                                            const float *origin,
+                                            const float *direction,
+                                            float column,
+                                            float *t);
+
+// `am_profile_inv_reached_column_f64` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_inv_reached_column_batch_f64(const struct am_profile *profile,
+                                                  size_t n,
+                                                  struct am_array_f64 origin,
+                                                  struct am_array_f64 direction,
+                                                  struct am_array_f64 column,
+                                                  double *t);
+
+// `am_profile_inv_reached_column_f32` for `n` items. Outputs are contiguous: the results of item 0, of item 1, and so on.
+//
+// # Safety
+// Arrays hold `n` items (one, if the stride is 0), outputs have room for the results of `n` items, and do not overlap the inputs.
+am_status am_profile_inv_reached_column_batch_f32(const struct am_profile *profile,
+                                                  size_t n,
+                                                  struct am_array_f32 origin,
+                                                  struct am_array_f32 direction,
+                                                  struct am_array_f32 column,
+                                                  float *t);
+
+// `am_profile_inv_reached_column_f64` recorded on the tape of `host`: arguments, parameters and results are slots.
+//
+// # Safety
+// Pointers are valid, and the functions of `host` do what `am_host_table` says.
+am_status am_profile_inv_reached_column_record(const struct am_host_table *host,
+                                               const struct am_profile_nodes *profile,
+                                               const am_node *origin,
+                                               const am_node *direction,
+                                               am_node column,
+                                               am_node *t);
+
 // The column, and its derivatives by everything that it depends on: one row of numbers.
 //
 // First the column; then its derivatives by the values of the parameters, in the order of

@@ -58,6 +58,7 @@ template <typename T> struct Abi;
         AM_DETAIL_QUESTION(profile_density, suffix)                                                \
         AM_DETAIL_QUESTION(profile_column, suffix)                                                 \
         AM_DETAIL_QUESTION(profile_inv_column, suffix)                                             \
+        AM_DETAIL_QUESTION(profile_inv_reached_column, suffix)                                     \
         AM_DETAIL_QUESTION(profile_column_value_and_gradient, suffix)                              \
         AM_DETAIL_QUESTION(profile_inv_column_value_and_gradient, suffix)                          \
         AM_DETAIL_QUESTION(profile_bounds, suffix)                                                 \
@@ -153,6 +154,15 @@ public:
         return out;
     }
 
+    // The same for a column that the ray is known to gather, at less cost.
+    template <typename T>
+    T inv_reached_column(const Vector<T> &origin, const Vector<T> &direction, T column) const {
+        T out;
+        detail::check(detail::Abi<T>::profile_inv_reached_column(
+            &m_data, origin.data(), direction.data(), column, &out));
+        return out;
+    }
+
     // The column; its derivatives by the parameters in their order, the origin, the direction as a
     // free vector, and t. 1 + gradient_size() numbers.
     template <typename T>
@@ -223,6 +233,17 @@ public:
                               const std::vector<T> &columns) const {
         std::vector<T> out(detail::count({ origins.size(), directions.size(), columns.size() }));
         detail::check(detail::Abi<T>::profile_inv_column_batch(
+            &m_data, out.size(), detail::array(origins), detail::array(directions),
+            detail::array(columns), out.data()));
+        return out;
+    }
+
+    template <typename T>
+    std::vector<T> inv_reached_column(const std::vector<Vector<T>> &origins,
+                                      const std::vector<Vector<T>> &directions,
+                                      const std::vector<T> &columns) const {
+        std::vector<T> out(detail::count({ origins.size(), directions.size(), columns.size() }));
+        detail::check(detail::Abi<T>::profile_inv_reached_column_batch(
             &m_data, out.size(), detail::array(origins), detail::array(directions),
             detail::array(columns), out.data()));
         return out;

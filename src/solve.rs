@@ -151,7 +151,22 @@ pub fn increasing<R: Real>(
     target: R,
     start: Start<R>,
 ) -> R {
-    let goal = target.detach();
+    let (t, stride) = iterate(value, &slopes, target.detach(), start);
+    if R::DERIVATIVES {
+        t + last_step(t, target - attached(t), slopes(t).0, stride)
+    } else {
+        t
+    }
+}
+
+/// The t in the bracket with g(t) = `goal` > 0, without its derivatives, and the step that led
+/// there.
+pub fn iterate<R: Real>(
+    value: impl Fn(R) -> R,
+    slopes: impl Fn(R) -> (R, R),
+    goal: R,
+    start: Start<R>,
+) -> (R, R) {
     let limits = Limits::of(goal, start.near);
     let tolerance = goal * goal.lit(limits.missing);
     let rounding = goal * (goal.lit(4.0) * goal.unit_roundoff());
@@ -175,11 +190,7 @@ pub fn increasing<R: Real>(
             break;
         }
     }
-    if R::DERIVATIVES {
-        t + last_step(t, target - attached(t), slopes(t).0, stride)
-    } else {
-        t
-    }
+    (t, stride)
 }
 
 /// Newton's step with the derivatives of `missing`; its value counts only if it is no longer
@@ -201,21 +212,36 @@ pub fn inv_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -
     let some = zero.lt(column);
     let reached = some & column.le(total) & column.is_bounded();
     let target = R::select(reached, column, total.min(column.lit(1.0)));
-
-    let start = Start {
-        bracket: Bracket {
-            low: zero,
-            high: infinity,
-        },
-        guess: plain.guess_inv_column(&plain_ray, target.detach()),
-        near: true,
-    };
     let t = increasing(
         |t| plain.column(&plain_ray, t),
         |t| plain.density_along(&plain_ray, t),
         |t| profile.column(ray, t),
         target,
-        start,
+        from_guess(&plain, &plain_ray, target.detach()),
     );
     R::select(reached, t, R::select(some, infinity, zero))
+}
+
+/// The same for a column that the ray is known to gather, without derivatives.
+pub fn inv_reached_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> R {
+    let (plain, ray, goal) = (profile.detach(), ray.detach(), column.detach());
+    let (t, _) = iterate(
+        |t| plain.column(&ray, t),
+        |t| plain.density_along(&ray, t),
+        goal,
+        from_guess(&plain, &ray, goal),
+    );
+    let zero = goal.lit(0.0);
+    R::select(zero.lt(goal), t, zero)
+}
+
+fn from_guess<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> Start<R> {
+    Start {
+        bracket: Bracket {
+            low: column.lit(0.0),
+            high: column.lit(f64::INFINITY),
+        },
+        guess: profile.guess_inv_column(ray, column),
+        near: true,
+    }
 }

@@ -336,40 +336,46 @@ fn check_inverse<R: Real + Into<f64>>(lift: impl Fn(f64) -> R + Copy) {
         if column < case.least() {
             return;
         }
-        let t: f64 = case.profile.inv_column(&case.ray, lift(column)).into();
         if total.is_finite() {
             let more = case.profile.inv_column(&case.ray, lift(total * 1.0001));
             assert!(more.into().is_infinite(), "{}", case.describe(0.0));
         }
         let start: f64 = case.profile.density(case.ray.origin).into();
-        let sup: f64 = case.profile.bounds(&case.ray, lift(t)).1.into();
-        if sup > 0.0 && sup < case.least_normal() {
-            return; // densities without digits
-        }
         if start > 1.0 / case.least() {
             return; // distances that the format cannot hold
         }
-        // Where it is infinite, no distance that the format holds gathers as much.
-        let t = t.min(case.largest());
-        let nearby = |sign: f64| (t * (1.0 + sign * 4.0 * case.roundoff)).min(case.largest());
-        let (less, more) = (
-            case.column(nearby(-1.0), lift),
-            case.column(nearby(1.0), lift),
-        );
-        let more = if t < case.largest() {
-            more
-        } else {
-            f64::INFINITY
-        };
-        let error = (less - column).max(column - more).max(0.0) / column;
-        let target = if case.single() { 1e-6 } else { 1e-12 };
-        let allowed = target + 4.0 * case.roundoff * case.altitudes(t);
-        worst.see(case, error);
-        assert!(
-            error <= allowed,
-            "{column:e} of {total:e} is not between {less:e} and {more:e}: {}",
-            case.describe(t)
-        );
+        let (profile, ray) = (&case.profile, &case.ray);
+        for t in [
+            profile.inv_column(ray, lift(column)),
+            profile.inv_reached_column(ray, lift(column)),
+        ] {
+            let t: f64 = t.into();
+            let sup: f64 = profile.bounds(ray, lift(t)).1.into();
+            if sup > 0.0 && sup < case.least_normal() {
+                return; // densities without digits
+            }
+            // Where it is infinite, no distance that the format holds gathers as much.
+            let t = t.min(case.largest());
+            let nearby = |sign: f64| (t * (1.0 + sign * 4.0 * case.roundoff)).min(case.largest());
+            let (less, more) = (
+                case.column(nearby(-1.0), lift),
+                case.column(nearby(1.0), lift),
+            );
+            let more = if t < case.largest() {
+                more
+            } else {
+                f64::INFINITY
+            };
+            let error = (less - column).max(column - more).max(0.0) / column;
+            let target = if case.single() { 1e-6 } else { 1e-12 };
+            let allowed = target + 4.0 * case.roundoff * case.altitudes(t);
+            worst.see(case, error);
+            assert!(
+                error <= allowed,
+                "{column:e} of {total:e} is not between {less:e} and {more:e}: {}",
+                case.describe(t)
+            );
+        }
     });
     worst.print("relative residual beyond the rounding of t");
 }

@@ -111,6 +111,17 @@ public:
         }
     }
 
+    /// The same for a column that the ray is known to gather.
+    Float inv_reached_column(const Point3f &o, const Vector3f &d, const Float &column) const {
+        if constexpr (dr::is_jit_v<Float>) {
+            return record(am_profile_inv_reached_column_record, o, d, column);
+        } else {
+            float t = 0.f;
+            am_profile_inv_reached_column_f32(&m_profile, o.data(), d.data(), column, &t);
+            return t;
+        }
+    }
+
     /// Distance, at most `t_max`, at which a sum of profiles has gathered the optical depth `tau`:
     /// each with its extinction coefficient at density 1. Infinite if it gathers less.
     static Float free_flight(const std::vector<const Profile *> &profiles,

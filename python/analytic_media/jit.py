@@ -107,6 +107,14 @@ class Profile:
         """The smallest distance at which the ray has gathered `column`; infinite if never."""
         return self._ask("inv_column", _point("o", o), _point("d", d), _number("column", column))[0]
 
+    def inv_reached_column(self, o: Point, d: Point, column: Array) -> Array:
+        """`inv_column` of a column that the ray is known to gather, at less cost.
+
+        Anything where it does not. Has no derivatives.
+        """
+        inputs = _point("o", o), _point("d", d), _number("column", column)
+        return self._ask("inv_reached_column", *inputs)[0]
+
     def bounds(self, o: Point, d: Point, t: Array) -> tuple[Array, Array]:
         """(inf, sup) of the density on the segment of length `t`."""
         return self._ask("bounds", *_segment(o, d, t), outputs=2)

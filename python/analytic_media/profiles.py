@@ -124,6 +124,15 @@ class Profile:
         ray = _arrays.point("o", o), _arrays.direction("d", d)
         return _arrays.answer(self._model, "inv_column", *ray, _arrays.amount("column", column))
 
+    def inv_reached_column(self, o: ArrayLike, d: ArrayLike, column: ArrayLike) -> Result:
+        """`inv_column` of a column that the ray is known to gather, at less cost.
+
+        Anything where it does not.
+        """
+        ray = _arrays.point("o", o), _arrays.direction("d", d)
+        amount = _arrays.amount("column", column)
+        return _arrays.answer(self._model, "inv_reached_column", *ray, amount)
+
     def inv_column_value_and_gradient(
         self, o: ArrayLike, d: ArrayLike, column: ArrayLike
     ) -> tuple[Result, dict[str, Result]]:

@@ -112,6 +112,18 @@ queries! { AmProfile, AmProfileNodes;
     |profile: AnyProfile, origin: point, direction: point, column: number| -> (t)
     [] results => { results.push(profile.inv_column(&Ray { origin, direction }, column)); }
 
+    /// The same for a column that the ray is known to gather, at less cost: the distance means
+    /// nothing otherwise. For free flights that are known to end in a collision. A host's
+    /// derivatives do not go through it.
+    ///
+    /// # Safety
+    /// As for `am_profile_inv_column_f64`.
+    am_profile_inv_reached_column_f64 am_profile_inv_reached_column_f32
+    am_profile_inv_reached_column_batch_f64 am_profile_inv_reached_column_batch_f32
+    am_profile_inv_reached_column_record
+    |profile: AnyProfile, origin: point, direction: point, column: number| -> (t)
+    [] results => { results.push(profile.inv_reached_column(&Ray { origin, direction }, column)); }
+
     /// The column, and its derivatives by everything that it depends on: one row of numbers.
     ///
     /// First the column; then its derivatives by the values of the parameters, in the order of

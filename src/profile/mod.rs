@@ -35,6 +35,12 @@ pub trait Profile<R: Real> {
     /// The smallest distance at which the ray has gathered `column`; infinite if it never does.
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R;
 
+    /// The same for a column that the ray is known to gather: it need not be found out whether it
+    /// does. Anything for other columns. Has no derivatives.
+    fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
+        self.inv_column(ray, column).detach()
+    }
+
     /// A finite distance near `inv_column`, in closed form, for iterations to start from.
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
         self.inv_column(ray, column)
@@ -169,6 +175,9 @@ macro_rules! profiles {
             }
             fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
                 match self { $( Self::$Profile(p) => p.inv_column(ray, column), )* }
+            }
+            fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
+                match self { $( Self::$Profile(p) => p.inv_reached_column(ray, column), )* }
             }
             fn column_value_and_gradient(&self, ray: &Ray<R>, t: R) -> (R, Gradient<R>) {
                 match self { $( Self::$Profile(p) => p.column_value_and_gradient(ray, t), )* }

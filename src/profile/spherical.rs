@@ -227,6 +227,10 @@ impl<R: Real> Profile<R> for Spherical<R> {
         solve::inv_column(self, ray, column)
     }
 
+    fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
+        solve::inv_reached_column(self, ray, column)
+    }
+
     /// (2)
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
         let passage = self.sphere.passage(ray);

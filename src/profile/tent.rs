@@ -255,7 +255,7 @@ impl<R: Real> Tent<R> {
 
     /// Between which of the distances where the ray crosses the edges and the top of the layer it
     /// gathers `goal`, and where on the parabola between them.
-    fn bracket(&self, passage: &Passage<R>, goal: R) -> (Bracket<R>, R) {
+    fn start(&self, passage: &Passage<R>, goal: R) -> Start<R> {
         let (zero, one) = (goal.lit(0.0), goal.lit(1.0));
         let edges = [-self.width, zero, self.width].map(|w| self.height + w);
         let [low, top, high] = edges.map(|altitude| passage.crossings(altitude));
@@ -284,15 +284,19 @@ impl<R: Real> Tent<R> {
         let high = R::select(bounded, bracket.high, bracket.low + one);
         let span = (high - bracket.low).max(one.lit(1e-30));
         // N(s) = a s + b s², from the density where it begins and the column of the whole.
-        let start = self.slopes(passage, bracket.low).0;
-        let curve = ((after - before) / span - start) / span;
+        let density = self.slopes(passage, bracket.low).0;
+        let curve = ((after - before) / span - density) / span;
         let missing = goal - before;
-        let radicand = start
-            .mul_add(start, one.lit(4.0) * curve * missing)
+        let radicand = density
+            .mul_add(density, one.lit(4.0) * curve * missing)
             .max(zero);
-        let sum = (start + radicand.sqrt()).max(one.lit(1e-30));
+        let sum = (density + radicand.sqrt()).max(one.lit(1e-30));
         let guess = bracket.low + (missing + missing) / sum;
-        (bracket, guess.min(high).max(bracket.low))
+        Start {
+            bracket,
+            guess: guess.min(high).max(bracket.low),
+            near: true,
+        }
     }
 }
 
@@ -361,23 +365,31 @@ impl<R: Real> Profile<R> for Tent<R> {
 
         let half = column.lit(0.5);
         let target = R::select(reached, column, total.min(one) * half);
-        let (bracket, guess) = plain.bracket(&passage, target.detach());
         let t = solve::increasing(
             |t| plain.column_of(&passage, t),
             |t| plain.slopes(&passage, t),
             |t| self.column(ray, t),
             target,
-            Start {
-                bracket,
-                guess,
-                near: true,
-            },
+            plain.start(&passage, target.detach()),
         );
         R::select(reached, t, R::select(some, infinity, zero))
     }
 
+    fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
+        let (plain, goal) = (self.detach(), column.detach());
+        let passage = plain.sphere.passage(&ray.detach());
+        let (t, _) = solve::iterate(
+            |t| plain.column_of(&passage, t),
+            |t| plain.slopes(&passage, t),
+            goal,
+            plain.start(&passage, goal),
+        );
+        let zero = goal.lit(0.0);
+        R::select(zero.lt(goal), t, zero)
+    }
+
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        self.bracket(&self.sphere.passage(ray), column).1
+        self.start(&self.sphere.passage(ray), column).guess
     }
 
     fn closed_inverse(&self) -> bool {

@@ -187,6 +187,7 @@ static ARRAY CAT(narrow, SUFFIX, )(const NUMBER *item) {
 AT_POINT(profile_density, am_profile, "profile", "density")
 ALONG(profile_column, am_profile, "profile", "t", "column")
 ALONG(profile_inv_column, am_profile, "profile", "column", "t")
+ALONG(profile_inv_reached_column, am_profile, "profile", "column", "t")
 BOUNDS(profile_bounds, am_profile, "profile", "inf", "sup")
 AT_POINT(medium_extinction, am_medium, "medium", "extinction")
 ALONG(medium_optical_depth, am_medium, "medium", "t", "optical_depth")
@@ -257,6 +258,9 @@ static void TEST(profiles)(void) {
     TEST(profile_inv_column)(&linear, (NUMBER) trapezoid, 1, &length);
     TEST(profile_inv_column)(&exponential, (NUMBER) (SCALE_HEIGHT / 2), 1, &half);
     TEST(profile_inv_column)(&exponential, (NUMBER) (SCALE_HEIGHT + 1), 1, &never);
+
+    TEST(profile_inv_reached_column)(&linear, (NUMBER) trapezoid, 1, &length);
+    TEST(profile_inv_reached_column)(&exponential, (NUMBER) (SCALE_HEIGHT / 2), 1, &half);
 
     TEST(profile_bounds)(&constant, 1, &one, &one);
     TEST(profile_bounds)(&linear, 1, &one, &two);

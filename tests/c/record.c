@@ -100,6 +100,9 @@ static void profile_questions(void) {
     RECORDS(am_profile_column_record(host, &a.profile, a.origin, a.up, a.t, out), 1, e);
     CHECK_OK(am_profile_inv_column_f64(&exponential, origin, up, column, e));
     RECORDS(am_profile_inv_column_record(host, &a.profile, a.origin, a.up, a.column, out), 1, e);
+    CHECK_OK(am_profile_inv_reached_column_f64(&exponential, origin, up, column, e));
+    RECORDS(am_profile_inv_reached_column_record(host, &a.profile, a.origin, a.up, a.column, out),
+            1, e);
     CHECK_OK(am_profile_column_value_and_gradient_f64(&exponential, origin, up, LENGTH, e));
     RECORDS(am_profile_column_value_and_gradient_record(host, &a.profile, a.origin, a.up, a.t, out),
             13, e);

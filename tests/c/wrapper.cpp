@@ -21,6 +21,7 @@ template <typename T> static void answers(double tolerance) {
     CHECK_NEAR(fog.column(origin, up, infinity), 2, tolerance);
     CHECK_NEAR(fog.inv_column(origin, up, T(1)), 2 * std::log(2.0), tolerance);
     CHECK(fog.inv_column(origin, up, T(3)) == infinity);
+    CHECK_NEAR(fog.inv_reached_column(origin, up, T(1)), 2 * std::log(2.0), tolerance);
     const std::vector<T> by = fog.column_value_and_gradient(origin, up, T(2));
     CHECK(by.size() == 1 + fog.gradient_size());
     CHECK_NEAR(by.front(), layer, tolerance);

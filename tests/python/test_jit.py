@@ -248,6 +248,27 @@ def test_derivatives_of_the_exponential_in_closed_form(llvm):
         assert got["o", i] == pytest.approx(-TILTED[i] * rate, rel=1e-13, abs=1e-15)
 
 
+@each_profile
+@pytest.mark.parametrize("name", ["Float", "Float64"])
+def test_inverse_of_a_column_that_is_reached(llvm, profile, name, rays):
+    """As precise as it gets, and without derivatives."""
+    import drjit as dr
+
+    number = getattr(llvm, name)
+    o, d = ([number(x) for x in a.T] for a in rays)
+    recorded = am.jit.Profile(profile)
+    column = recorded.column(o, d, number(4.0))
+    dr.enable_grad(column)
+    t = recorded.inv_reached_column(o, d, column)
+    assert not dr.grad_enabled(t)
+    again, column, t = (np.array(x) for x in (recorded.column(o, d, t), column, t))
+    density = np.array(recorded.density([a + t * b for a, b in zip(o, d, strict=True)]))
+    some = (column > 1e-6) & np.isfinite(column)
+    assert some.mean() > 0.3
+    target = 1e-12 if name == "Float64" else 2e-6
+    assert np.all((abs(again - column) <= target * (column + t * density))[some])
+
+
 @pytest.mark.parametrize("d", [(0.6, 0.0, -0.8), (0.96, 0.0, -0.28)])
 def test_derivatives_of_columns_past_a_perigee(llvm, d):
     """Where a piece of a column begins at the perigee, whatever the parameters are."""

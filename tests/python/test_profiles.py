@@ -123,12 +123,13 @@ def test_column_does_not_decrease(profile, rays, dtype):
 
 @each_profile
 @each_float
-def test_inverse_undoes_the_column(profile, rays, dtype):
+@pytest.mark.parametrize("question", ["inv_column", "inv_reached_column"])
+def test_inverse_undoes_the_column(profile, rays, dtype, question):
     """To within the target, times what an error in t amounts to: t · density / column."""
     o, d = (a.astype(dtype)[:, None] for a in rays)
     t = np.geomspace(1e-3, 10, 20).astype(dtype)
     column = profile.column(o, d, t)
-    inverse = profile.inv_column(o, d, column)
+    inverse = getattr(profile, question)(o, d, column)
     reached = np.isfinite(inverse) & (column > 0)
     assert reached.mean() > 0.3
     inverse = np.where(reached, inverse, 0)

@@ -131,14 +131,15 @@ public:
 
         Float t = dr::Infinity<Float>;
         for (size_t i = 0; i < matter.parts(); ++i)
-            t = dr::minimum(t, distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i])));
+            t = dr::minimum(
+                t, distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i]), false));
         const Mask collides = active && t < segment.length;
 
         Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
                        false };
         if (matter.count > 0 && dr::any_or<true>(collides))
-            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f), 1.f,
-                    throughput, u.kind, mi, collides);
+            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
+                    -dr::log(1.f - u.place[0]), 1.f, throughput, u.kind, mi, collides);
         return flight;
     }
 
@@ -197,7 +198,8 @@ public:
                        through * dr::exp(-depth), false, false };
         if (matter.count > 0 && dr::any_or<true>(collides))
             collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
-                    natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
+                    -dr::log(1.f - u.place[0] * lost), natural / dr::maximum(chance, Tiny),
+                    throughput, u.kind, mi, collides);
         return flight;
     }
 
@@ -432,7 +434,7 @@ private:
             const Mask collides = active && own < depth && (met || meets);
             if (dr::any_or<true>(collides)) {
                 const Float place =
-                    dr::minimum(distance(matter, i, segment, drawn, own), segment.length);
+                    dr::minimum(distance(matter, i, segment, drawn, own, true), segment.length);
                 t = dr::minimum(t, dr::select(collides, place, dr::Infinity<Float>));
             }
             met |= meets;
@@ -442,13 +444,15 @@ private:
     }
 
     /// Where a part has gathered the optical depth `tau`; infinite, or beyond the segment, if it
-    /// does not.
+    /// does not, unless it is `known` to.
     Float distance(const Matter &matter, size_t part, const Segment &segment, const Drawn &drawn,
-                   const Float &tau) const {
+                   const Float &tau, bool known) const {
         if (matter.end(part) == part + 1) {
             const Float sigma_t = drawn(matter.sigma_t[part]);
-            const Float t = matter.component[part]->profile().inv_column(
-                segment.o, segment.d, tau / dr::select(sigma_t > 0.f, sigma_t, 1.f));
+            const Float column = tau / dr::select(sigma_t > 0.f, sigma_t, 1.f);
+            const Profile<Float, Spectrum> &profile = matter.component[part]->profile();
+            const Float t = known ? profile.inv_reached_column(segment.o, segment.d, column)
+                                  : profile.inv_column(segment.o, segment.d, column);
             return dr::select(sigma_t > 0.f, t, dr::Infinity<Float>);
         }
         std::vector<const Profile<Float, Spectrum> *> profiles;
@@ -489,12 +493,13 @@ private:
         return balance(densities, start, densities);
     }
 
-    /// Decides what a flight collides with at the distance `t`; `scarcity` is the probability of
-    /// the model that it collides at all over that of the flight.
+    /// Decides what a flight collides with at the distance `t`, where a single component has
+    /// gathered the optical depth `tau`; `scarcity` is the probability of the model that it
+    /// collides at all over that of the flight.
     void collide(Flight &flight, const FlightRules &rules, const Ray3f &ray, const Segment &segment,
-                 const Matter &matter, const Drawn &drawn, const Float &t, const Float &scarcity,
-                 const UnpolarizedSpectrum &throughput, const Float &u, MediumInteraction3f mi,
-                 const Mask &active) const {
+                 const Matter &matter, const Drawn &drawn, const Float &t, const Float &tau,
+                 const Float &scarcity, const UnpolarizedSpectrum &throughput, const Float &u,
+                 MediumInteraction3f mi, const Mask &active) const {
         mi.t = segment.near + t;
         mi.p = ray(mi.t);
         const Coefficients at = coefficients(matter, mi, active);
@@ -512,8 +517,13 @@ private:
         } else {
             UnpolarizedSpectrum real = at.albedo;
             const UnpolarizedSpectrum start = channel_chances(throughput);
-            if (m_has_spectral_extinction)
-                real *= over_probability(drawn, start, matter.depth(segment, t), at.extinction);
+            if (m_has_spectral_extinction) {
+                const UnpolarizedSpectrum &sigma_t = matter.sigma_t[0];
+                const UnpolarizedSpectrum depth =
+                    matter.count == 1 ? sigma_t * (tau / dr::maximum(drawn(sigma_t), Tiny))
+                                      : matter.depth(segment, t);
+                real *= over_probability(drawn, start, depth, at.extinction);
+            }
             if (rules.analogue) {
                 const Float survival = dr::clip(dr::sum(start * real), 0.f, 1.f);
                 scatters &= u < survival;

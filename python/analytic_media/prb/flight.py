@@ -58,11 +58,13 @@ def opacity(depth):
 def first_collision(place, columns, o, d, length, channel, lost, variates):
     """Distance of the collision of a flight that has one, of the probability `lost`.
 
+    And the columns up to there, if they are known: that of a single component.
+
     The components stand one behind the other: the optical depth at which the flight ends lies in
     one of them, which it has met then. Those before it have been passed; those behind it may
     collide earlier, each independently.
     """
-    t = mi.Float(dr.inf)
+    t, wanted = mi.Float(dr.inf), mi.Float(0)
     rest = -dr.log(1 - variates[0] * lost)
     met = mi.Bool(False)
     parts = zip(place.profiles, place.sigma_t, columns, variates, strict=True)
@@ -73,11 +75,11 @@ def first_collision(place, columns, o, d, length, channel, lost, variates):
         own = dr.select(met, -dr.log(1 - u), rest) if i > 0 else rest
         collides = (own < depth) & (met | meets)
         wanted = dr.select(collides, own / dr.maximum(sigma_t, TINY), 0)
-        distance = dr.minimum(profile.inv_column(o, d, wanted), length)
+        distance = dr.minimum(profile.inv_reached_column(o, d, wanted), length)
         t = dr.minimum(t, dr.select(collides, distance, dr.inf))
         met |= meets
         rest = dr.maximum(rest - depth, 0)
-    return t
+    return t, [wanted] if len(columns) == 1 else None
 
 
 def collision_weight(chances, natural, chance, depth, extinction):

@@ -117,10 +117,16 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         while dr.hint(active, label=f"prbanalyticvolpath ({mode.name})"):
             # ---- The segment: where it would end, and where it collides
             si = scene.ray_intersect(ray, active)
+            if dr.hint(permeable, mode="scalar"):
+                # Outside of all media there is no flight: the segment begins at their boundary.
+                enters = active & (medium == None) & _invisible(si, ray)  # noqa: E711
+                ray, medium = _go_on(si, ray, medium, enters)
+                si[enters] = scene.ray_intersect(ray, enters)
             reach = mi.Float(si.t)
             if dr.hint(permeable, mode="scalar"):
                 # Where nothing is behind the boundary of a medium, the ray leaves the scene there.
-                exits = active & _leads_out(si, ray)
+                exits = active & _invisible(si, ray)
+                exits &= si.target_medium(ray.d) == None  # noqa: E711
                 behind = scene.ray_intersect(si.spawn_ray(ray.d), exits)
                 si[exits & ~behind.is_valid()] = behind
             if dr.hint(self.hide_emitters, mode="scalar"):
@@ -325,15 +331,16 @@ class PrbAnalyticVolpath(common.RBIntegrator):
             )
             own = variates[: len(columns)]
             lost = flight.pick(losses, channel)
-            t = flight.first_collision(place, columns, o, ray.d, length, channel, lost, own)
+            t, known = flight.first_collision(place, columns, o, ray.d, length, channel, lost, own)
             event.collided &= dr.isfinite(t)
             t = dr.detach(dr.select(event.collided, t, 0))
         event.t = near + t
         sofar = place.depth(place.columns(o, ray.d, t))
         event.extinction, event.scattering = place.at(o + t * ray.d)
         event.log_density = dr.log(dr.maximum(event.extinction, flight.TINY)) - sofar
+        passed = dr.detach(place.depth(known) if known else sofar)
         event.weight = flight.collision_weight(
-            chances, natural, chance, dr.detach(sofar), dr.detach(event.extinction)
+            chances, natural, chance, passed, dr.detach(event.extinction)
         )
         event.passing = dr.detach(through) / dr.maximum(1 - chance, flight.TINY)
         return through, event
@@ -352,12 +359,20 @@ class PrbAnalyticVolpath(common.RBIntegrator):
         through = self._through(matter, ray, medium, end, infinite & ~surface, active)
         bsdf = si.bsdf(ray)
         through *= dr.select(surface, bsdf.eval_null_transmission(si, surface), 1)
-        beyond = dr.detach(dr.select(surface, si.spawn_ray(ray.d), ray))
-        beyond.maxt = ray.maxt - end
-        side = mi.MediumPtr(medium)
-        side[surface & si.is_medium_transition()] = si.target_medium(ray.d)
-        goes_on = surface & (beyond.maxt > 0) & dr.any(dr.detach(through) != 0)
-        return through, beyond, side, goes_on
+        left = ray.maxt - end
+        ray, medium = _go_on(si, ray, medium, surface)
+        goes_on = surface & (left > 0) & dr.any(dr.detach(through) != 0)
+
+        # Outside of all media there is nothing to do: on to the next boundary.
+        ray.maxt = left
+        outside = goes_on & (medium == None)  # noqa: E711
+        with dr.suspend_grad():
+            si = scene.ray_intersect(ray, outside)
+            enters = outside & _invisible(si, ray)
+            ray, medium = _go_on(si, ray, medium, enters)
+            ray.maxt = dr.select(enters, left - si.t, left)
+        goes_on &= ~outside | si.is_valid()
+        return through, ray, medium, goes_on
 
     @dr.syntax
     def _pass(self, scene, matter, ray, medium, infinite, active, mode, light, δL):
@@ -471,13 +486,19 @@ def _clip(one, ray, reach, active):
     return dr.detach(ray(near)), dr.detach(near), dr.detach(length)
 
 
-def _leads_out(si, ray):
-    """Whether a ray goes on from a surface as if that were not there, through no medium."""
+def _invisible(si, ray):
+    """Whether a ray goes on from the boundary of a medium as if no surface were there."""
     bsdf = si.bsdf(ray)
     kind = bsdf.flags() & (mi.BSDFFlags.All | +mi.BSDFFlags.Null)
     invisible = (bsdf != None) & (kind == +mi.BSDFFlags.Null)  # noqa: E711
-    invisible &= si.is_valid() & si.is_medium_transition() & ~si.shape.is_emitter()
-    return invisible & (si.target_medium(ray.d) == None)  # noqa: E711
+    return invisible & si.is_valid() & si.is_medium_transition() & ~si.shape.is_emitter()
+
+
+def _go_on(si, ray, medium, active):
+    """The ray behind a surface, and the medium there."""
+    ray = dr.detach(dr.select(active, si.spawn_ray(ray.d), ray))
+    crosses = active & si.is_medium_transition()
+    return ray, dr.select(crosses, si.target_medium(ray.d), medium)
 
 
 def _ratio(a, b):
