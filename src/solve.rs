@@ -10,8 +10,6 @@
 //! root may be there; if the end has been tried, or the integrand vanishes, it becomes a
 //! bisection. `tests/solver.rs` states how many steps that takes.
 
-use crate::geometry::Ray;
-use crate::profile::Profile;
 use crate::real::{Mask, Real};
 use crate::special::rel::psi;
 
@@ -201,47 +199,4 @@ fn last_step<R: Real>(t: R, missing: R, slope: R, stride: R) -> R {
     let step = R::select(dense, missing, zero) / R::select(dense, slope, one);
     let plain = step.detach();
     step - R::select(plain.abs().le(stride), zero, plain)
-}
-
-/// The smallest distance at which `profile` has gathered `column` along the ray, infinite if it
-/// never does: for profiles whose column has no closed inverse.
-pub fn inv_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> R {
-    let (zero, infinity) = (column.lit(0.0), column.lit(f64::INFINITY));
-    let (plain, plain_ray) = (profile.detach(), ray.detach());
-    let total = plain.column(&plain_ray, infinity);
-    let some = zero.lt(column);
-    let reached = some & column.le(total) & column.is_bounded();
-    let target = R::select(reached, column, total.min(column.lit(1.0)));
-    let t = increasing(
-        |t| plain.column(&plain_ray, t),
-        |t| plain.density_along(&plain_ray, t),
-        |t| profile.column(ray, t),
-        target,
-        from_guess(&plain, &plain_ray, target.detach()),
-    );
-    R::select(reached, t, R::select(some, infinity, zero))
-}
-
-/// The same for a column that the ray is known to gather, without derivatives.
-pub fn inv_reached_column<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> R {
-    let (plain, ray, goal) = (profile.detach(), ray.detach(), column.detach());
-    let (t, _) = iterate(
-        |t| plain.column(&ray, t),
-        |t| plain.density_along(&ray, t),
-        goal,
-        from_guess(&plain, &ray, goal),
-    );
-    let zero = goal.lit(0.0);
-    R::select(zero.lt(goal), t, zero)
-}
-
-fn from_guess<R: Real>(profile: &impl Profile<R>, ray: &Ray<R>, column: R) -> Start<R> {
-    Start {
-        bracket: Bracket {
-            low: column.lit(0.0),
-            high: column.lit(f64::INFINITY),
-        },
-        guess: profile.guess_inv_column(ray, column),
-        near: true,
-    }
 }

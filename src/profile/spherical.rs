@@ -35,7 +35,7 @@ use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either, either_each};
-use crate::solve;
+use crate::solve::{self, Bracket, Start};
 use crate::special::arc::{Moments, arc, moments};
 use crate::special::rel::psi;
 use crate::special::tail;
@@ -124,6 +124,70 @@ impl<R: Real> Spherical<R> {
         let some = zero.lt(gathered);
         R::select(some, inner, zero) * R::select(some, gathered, zero) / n
     }
+
+    /// ρ and dρ/dt at the distance `t`.
+    fn slopes(&self, passage: &Passage<R>, t: R) -> (R, R) {
+        let density = self.at(passage.altitude + passage.rise(t));
+        let radius = passage.radius_at(t);
+        let some = radius.lit(0.0).lt(radius);
+        let mu = (passage.along + t) / R::select(some, radius, radius.lit(1.0));
+        let rate = mu * self.falloff;
+        (density, -(rate * density))
+    }
+
+    /// Where to look for the distance at which `column` is gathered: from (2).
+    fn start(&self, passage: &Passage<R>, column: R) -> Start<R> {
+        let n = self.falloff;
+        let (zero, one, two) = (n.lit(0.0), n.lit(1.0), n.lit(2.0));
+        let (perigee, start) = (passage.perigee * n, passage.depth() * n);
+        let x = start.sqrt();
+        let (tiny, least) = if n.digits() <= 24 {
+            (1e-30, 1.2e-38)
+        } else {
+            (1e-200, 2.3e-308)
+        };
+        let g = two * (start + perigee) / (start + two * perigee + n.lit(tiny)).sqrt();
+        let amount = column * n / g.max(n.lit(tiny));
+
+        // Amounts relative to the whole tail beyond the start.
+        let altitude = passage.altitude * n;
+        let density = (-altitude).exp();
+        let vanishes = density.le(n.lit(least));
+        let part = tail::steepness(x) * amount / R::select(vanishes, one, density);
+        let descends = passage.along.lt(zero);
+
+        // Ahead, the tail becomes thinner by what is gathered.
+        let left = part.min(n.lit(0.9999));
+        let climb = tail::outwards(x, left * psi(R::select(descends, zero, left)));
+
+        // Towards the perigee it becomes thicker, and beyond it is thinner again.
+        let before = tail::log_erfc(x);
+        let large = vanishes | n.lit(1e6).lt(part);
+        let modest = R::select(large, one, part);
+        let from_far = (n.lit(FRAC_2_SQRT_PI) * amount.max(n.lit(least))).ln() + altitude - start;
+        let increase = R::select(large, from_far - before, modest * psi(-modest)).max(zero);
+        let sum = before + increase;
+        let turns = descends & zero.lt(sum);
+        let beyond = (two - R::select(turns, sum, zero).min(one).exp()).max(n.lit(1e-4));
+        let past = tail::outwards(zero, -beyond.ln());
+        let fall = tail::inwards(x, increase);
+
+        let end = R::select(turns, past, R::select(descends, x - fall, x + climb));
+        let step = R::select(descends, fall, climb);
+        let height = |x: R| x * x + two * perigee;
+        let (here, there) = (x * height(x).sqrt(), end * height(end).sqrt());
+        let sum = (here + there).max(n.lit(tiny));
+        let difference = step * (x + end) * (height(x) + end * end) / sum;
+        let t = R::select(turns, sum, difference) / n;
+        Start {
+            bracket: Bracket {
+                low: zero,
+                high: n.lit(f64::INFINITY),
+            },
+            guess: R::select(t.is_bounded(), t, zero),
+            near: true,
+        }
+    }
 }
 
 /// A segment in pieces that lead outwards: one, or two where it `turns` at its perigee.
@@ -154,13 +218,7 @@ impl<R: Real> Profile<R> for Spherical<R> {
     }
 
     fn density_along(&self, ray: &Ray<R>, t: R) -> (R, R) {
-        let passage = self.sphere.passage(ray);
-        let density = self.at(passage.altitude + passage.rise(t));
-        let radius = passage.radius_at(t);
-        let some = radius.lit(0.0).lt(radius);
-        let mu = (passage.along + t) / R::select(some, radius, radius.lit(1.0));
-        let rate = mu * self.falloff;
-        (density, -(rate * density))
+        self.slopes(&self.sphere.passage(ray), t)
     }
 
     /// (1)
@@ -224,59 +282,38 @@ impl<R: Real> Profile<R> for Spherical<R> {
 
     /// (1), inverted by iteration from (2).
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        solve::inv_column(self, ray, column)
+        let (zero, infinity) = (column.lit(0.0), column.lit(f64::INFINITY));
+        let plain = self.detach();
+        let passage = plain.sphere.passage(&ray.detach());
+        let total = plain.gathered(&passage, infinity);
+        let some = zero.lt(column);
+        let reached = some & column.le(total) & column.is_bounded();
+        let target = R::select(reached, column, total.min(column.lit(1.0)));
+        let t = solve::increasing(
+            |t| plain.gathered(&passage, t),
+            |t| plain.slopes(&passage, t),
+            |t| self.column(ray, t),
+            target,
+            plain.start(&passage, target.detach()),
+        );
+        R::select(reached, t, R::select(some, infinity, zero))
     }
 
     fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
-        solve::inv_reached_column(self, ray, column)
+        let (plain, goal) = (self.detach(), column.detach());
+        let passage = plain.sphere.passage(&ray.detach());
+        let (t, _) = solve::iterate(
+            |t| plain.gathered(&passage, t),
+            |t| plain.slopes(&passage, t),
+            goal,
+            plain.start(&passage, goal),
+        );
+        let zero = goal.lit(0.0);
+        R::select(zero.lt(goal), t, zero)
     }
 
-    /// (2)
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        let passage = self.sphere.passage(ray);
-        let n = self.falloff;
-        let (zero, one, two) = (n.lit(0.0), n.lit(1.0), n.lit(2.0));
-        let (perigee, start) = (passage.perigee * n, passage.depth() * n);
-        let x = start.sqrt();
-        let (tiny, least) = if n.digits() <= 24 {
-            (1e-30, 1.2e-38)
-        } else {
-            (1e-200, 2.3e-308)
-        };
-        let g = two * (start + perigee) / (start + two * perigee + n.lit(tiny)).sqrt();
-        let amount = column * n / g.max(n.lit(tiny));
-
-        // Amounts relative to the whole tail beyond the start.
-        let altitude = passage.altitude * n;
-        let density = (-altitude).exp();
-        let vanishes = density.le(n.lit(least));
-        let part = tail::steepness(x) * amount / R::select(vanishes, one, density);
-        let descends = passage.along.lt(zero);
-
-        // Ahead, the tail becomes thinner by what is gathered.
-        let left = part.min(n.lit(0.9999));
-        let climb = tail::outwards(x, left * psi(R::select(descends, zero, left)));
-
-        // Towards the perigee it becomes thicker, and beyond it is thinner again.
-        let before = tail::log_erfc(x);
-        let large = vanishes | n.lit(1e6).lt(part);
-        let modest = R::select(large, one, part);
-        let from_far = (n.lit(FRAC_2_SQRT_PI) * amount.max(n.lit(least))).ln() + altitude - start;
-        let increase = R::select(large, from_far - before, modest * psi(-modest)).max(zero);
-        let sum = before + increase;
-        let turns = descends & zero.lt(sum);
-        let beyond = (two - R::select(turns, sum, zero).min(one).exp()).max(n.lit(1e-4));
-        let past = tail::outwards(zero, -beyond.ln());
-        let fall = tail::inwards(x, increase);
-
-        let end = R::select(turns, past, R::select(descends, x - fall, x + climb));
-        let step = R::select(descends, fall, climb);
-        let height = |x: R| x * x + two * perigee;
-        let (here, there) = (x * height(x).sqrt(), end * height(end).sqrt());
-        let sum = (here + there).max(n.lit(tiny));
-        let difference = step * (x + end) * (height(x) + end * end) / sum;
-        let t = R::select(turns, sum, difference) / n;
-        R::select(t.is_bounded(), t, zero)
+        self.start(&self.sphere.passage(ray), column).guess
     }
 
     fn closed_inverse(&self) -> bool {
