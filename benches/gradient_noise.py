@@ -12,8 +12,8 @@ back to the parameters of the medium, with seeds of its own in each pass:
                         the parameters through the formula that the grid is filled by
 
 Rounds are interleaved, and of about equal process CPU time. Noise is the variance over the passes
-of a round times the CPU time of a pass. Prints that of stock over ours: median and range of the
-rounds.
+of a round times the CPU time of a pass. Prints that of stock over ours: of the means over all
+rounds, and the range of the rounds.
 """
 
 import argparse
@@ -266,7 +266,7 @@ def main():
     parser.add_argument("--scene", action="append", choices=SCENES, help="may be repeated")
     parser.add_argument("--variant", default="llvm_ad_rgb")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--passes", type=int, default=8, help="of a method in a round")
+    parser.add_argument("--passes", type=int, default=16, help="of a method in a round")
     parser.add_argument("--seconds", type=float, default=24.0, help="CPU time of a method's round")
     options = parser.parse_args()
 
@@ -279,15 +279,13 @@ def main():
         names, noise = measure(scene, options.rounds, options.passes, options.seconds)
         for method in list(METHODS)[1:]:
             ratios = noise[method] / noise["ours"]
-            medians = np.median(ratios, axis=0)
-            everything.setdefault(method, []).extend(medians)
-            for name, median, column in zip(names, medians, ratios.T, strict=True):
-                print(
-                    f"  {method}, {name}: {median:.3g} ({column.min():.3g} to {column.max():.3g})"
-                )
-            print(f"  {method}, geometric mean: {np.exp(np.log(medians).mean()):.3g}", flush=True)
-    for method, medians in everything.items():
-        print(f"all, {method}: {np.exp(np.mean(np.log(medians))):.3g}")
+            pooled = noise[method].mean(0) / noise["ours"].mean(0)
+            everything.setdefault(method, []).extend(pooled)
+            for name, ratio, column in zip(names, pooled, ratios.T, strict=True):
+                print(f"  {method}, {name}: {ratio:.3g} ({column.min():.3g} to {column.max():.3g})")
+            print(f"  {method}, geometric mean: {np.exp(np.log(pooled).mean()):.3g}", flush=True)
+    for method, ratios in everything.items():
+        print(f"all, {method}: {np.exp(np.mean(np.log(ratios))):.3g}")
 
 
 if __name__ == "__main__":

@@ -168,14 +168,14 @@ def plot(course, truth, path):
     figure.savefig(path, dpi=110)
 
 
-def run(scene, apply, unknowns, truth, steps, max_depth, photograph_spp):
+def run(scene, apply, unknowns, truth, steps, spp, max_depth, photograph_spp):
     """Renders a photograph of the scene as it is, and looks for its unknowns.
 
     Ends the program with status 1 if one of them is more than 2 % off.
     """
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=steps)
-    parser.add_argument("--spp", type=int, default=32, help="paths per pixel in each step")
+    parser.add_argument("--spp", type=int, default=spp, help="paths per pixel in each step")
     parser.add_argument("--photograph-spp", type=int, default=photograph_spp)
     parser.add_argument("--output", default="fit.png")
     options = parser.parse_args()

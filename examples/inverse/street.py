@@ -36,4 +36,4 @@ def apply(params, visibility, scale_height, albedo):
 
 if __name__ == "__main__":
     scene = mi.load_file(SCENE, res_x=96, res_y=60, max_depth=MAX_DEPTH)
-    run(scene, apply, START, TRUTH, steps=120, max_depth=MAX_DEPTH, photograph_spp=4096)
+    run(scene, apply, START, TRUTH, steps=120, spp=64, max_depth=MAX_DEPTH, photograph_spp=4096)

@@ -35,4 +35,4 @@ def apply(params, optical_depth, scale_height):
 
 if __name__ == "__main__":
     scene = mi.load_file(SCENE, res_x=64, res_y=36, max_depth=MAX_DEPTH)
-    run(scene, apply, START, TRUTH, steps=200, max_depth=MAX_DEPTH, photograph_spp=16384)
+    run(scene, apply, START, TRUTH, steps=200, spp=32, max_depth=MAX_DEPTH, photograph_spp=16384)
