@@ -158,8 +158,8 @@ public:
     template <typename T>
     T inv_reached_column(const Vector<T> &origin, const Vector<T> &direction, T column) const {
         T out;
-        detail::check(detail::Abi<T>::profile_inv_reached_column(
-            &m_data, origin.data(), direction.data(), column, &out));
+        detail::check(detail::Abi<T>::profile_inv_reached_column(&m_data, origin.data(),
+                                                                 direction.data(), column, &out));
         return out;
     }
 

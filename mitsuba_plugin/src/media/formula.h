@@ -131,8 +131,8 @@ public:
 
         Float t = dr::Infinity<Float>;
         for (size_t i = 0; i < matter.parts(); ++i)
-            t = dr::minimum(
-                t, distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i]), false));
+            t = dr::minimum(t,
+                            distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i]), false));
         const Mask collides = active && t < segment.length;
 
         Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
