@@ -91,35 +91,18 @@ public:
 
     /// Integral of the density over the segment of length `t`, which may be infinite.
     Float column(const Point3f &o, const Vector3f &d, const Float &t) const {
-        if constexpr (dr::is_jit_v<Float>) {
-            return record(am_profile_column_record, o, d, t);
-        } else {
-            float column = 0.f;
-            am_profile_column_f32(&m_profile, o.data(), d.data(), t, &column);
-            return column;
-        }
+        return along(am_profile_column_record, am_profile_column_f32, o, d, t);
     }
 
     /// Distance at which the ray has gathered `column`, infinite if it never does.
     Float inv_column(const Point3f &o, const Vector3f &d, const Float &column) const {
-        if constexpr (dr::is_jit_v<Float>) {
-            return record(am_profile_inv_column_record, o, d, column);
-        } else {
-            float t = 0.f;
-            am_profile_inv_column_f32(&m_profile, o.data(), d.data(), column, &t);
-            return t;
-        }
+        return along(am_profile_inv_column_record, am_profile_inv_column_f32, o, d, column);
     }
 
     /// The same for a column that the ray is known to gather.
     Float inv_reached_column(const Point3f &o, const Vector3f &d, const Float &column) const {
-        if constexpr (dr::is_jit_v<Float>) {
-            return record(am_profile_inv_reached_column_record, o, d, column);
-        } else {
-            float t = 0.f;
-            am_profile_inv_reached_column_f32(&m_profile, o.data(), d.data(), column, &t);
-            return t;
-        }
+        return along(am_profile_inv_reached_column_record, am_profile_inv_reached_column_f32, o, d,
+                     column);
     }
 
     /// Distance, at most `t_max`, at which a sum of profiles has gathered the optical depth `tau`:
@@ -269,16 +252,23 @@ private:
         return tape[out];
     }
 
-    /// A question about a ray and a length.
-    template <typename Question>
-    Float record(Question question, const Point3f &o, const Vector3f &d, const Float &x) const {
-        Tape<Float> tape;
-        am_profile_nodes profile = record_parameters(tape);
-        const auto origin = tape.inputs(o), direction = tape.inputs(d);
-        am_node out = 0;
-        tape.finish(
-            question(tape.table(), &profile, origin.data(), direction.data(), tape.input(x), &out));
-        return tape[out];
+    /// A question about a ray and a length, in both forms.
+    template <typename Recorded, typename Scalar>
+    Float along(Recorded recorded, Scalar scalar, const Point3f &o, const Vector3f &d,
+                const Float &x) const {
+        if constexpr (dr::is_jit_v<Float>) {
+            Tape<Float> tape;
+            am_profile_nodes profile = record_parameters(tape);
+            const auto origin = tape.inputs(o), direction = tape.inputs(d);
+            am_node out = 0;
+            tape.finish(recorded(tape.table(), &profile, origin.data(), direction.data(),
+                                 tape.input(x), &out));
+            return tape[out];
+        } else {
+            float answer = 0.f;
+            scalar(&m_profile, o.data(), d.data(), x, &answer);
+            return answer;
+        }
     }
 
     std::string m_name;

@@ -11,6 +11,7 @@ pub mod constant;
 pub mod exponential;
 pub mod gaussian;
 pub mod gradient;
+mod layers;
 pub mod linear;
 pub mod radial_gaussian;
 pub mod spherical;

@@ -30,12 +30,13 @@
 
 use super::exponential::between;
 use super::gradient::{Gradient, Pull, around, at_end, to_perigee};
+use super::layers::{self, Layers};
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either, either_each};
-use crate::solve::{self, Bracket, Start};
+use crate::solve::{Bracket, Start};
 use crate::special::arc::{Moments, arc, moments};
 use crate::special::rel::psi;
 use crate::special::tail;
@@ -111,9 +112,36 @@ impl<R: Real> Spherical<R> {
             falls,
         }
     }
+}
 
-    /// (1) for the ray that the centre sees as `passage`.
-    fn gathered(&self, passage: &Passage<R>, t: R) -> R {
+/// A segment in pieces that lead outwards: one, or two where it `turns` at its perigee.
+struct Cut<R: Real> {
+    /// Height above the perigee of the inner end of the first piece, and how much the piece rises.
+    start: R,
+    range: R,
+    /// How much the second piece rises from the perigee; 0 if there is none.
+    above: R,
+    /// Altitude of the inner end of both.
+    altitude: R,
+    turns: R::Mask,
+    /// The one piece leads inwards.
+    falls: R::Mask,
+}
+
+/// Height above the perigee at the distance `along` from it and `radius` from the centre.
+fn height_above<R: Real>(perigee: R, along: R, radius: R) -> R {
+    let sum = radius + perigee;
+    let some = sum.lit(0.0).lt(sum);
+    along * (along / R::select(some, sum, sum.lit(1.0)))
+}
+
+impl<R: Real> Layers<R> for Spherical<R> {
+    fn sphere(&self) -> &Sphere<R> {
+        &self.sphere
+    }
+
+    /// (1)
+    fn column_of(&self, passage: &Passage<R>, t: R) -> R {
         let zero = t.lit(0.0);
         let cut = self.cut(passage, t);
         let n = self.falloff;
@@ -125,7 +153,6 @@ impl<R: Real> Spherical<R> {
         R::select(some, inner, zero) * R::select(some, gathered, zero) / n
     }
 
-    /// ρ and dρ/dt at the distance `t`.
     fn slopes(&self, passage: &Passage<R>, t: R) -> (R, R) {
         let density = self.at(passage.altitude + passage.rise(t));
         let radius = passage.radius_at(t);
@@ -135,7 +162,7 @@ impl<R: Real> Spherical<R> {
         (density, -(rate * density))
     }
 
-    /// Where to look for the distance at which `column` is gathered: from (2).
+    /// (2)
     fn start(&self, passage: &Passage<R>, column: R) -> Start<R> {
         let n = self.falloff;
         let (zero, one, two) = (n.lit(0.0), n.lit(1.0), n.lit(2.0));
@@ -190,27 +217,6 @@ impl<R: Real> Spherical<R> {
     }
 }
 
-/// A segment in pieces that lead outwards: one, or two where it `turns` at its perigee.
-struct Cut<R: Real> {
-    /// Height above the perigee of the inner end of the first piece, and how much the piece rises.
-    start: R,
-    range: R,
-    /// How much the second piece rises from the perigee; 0 if there is none.
-    above: R,
-    /// Altitude of the inner end of both.
-    altitude: R,
-    turns: R::Mask,
-    /// The one piece leads inwards.
-    falls: R::Mask,
-}
-
-/// Height above the perigee at the distance `along` from it and `radius` from the centre.
-fn height_above<R: Real>(perigee: R, along: R, radius: R) -> R {
-    let sum = radius + perigee;
-    let some = sum.lit(0.0).lt(sum);
-    along * (along / R::select(some, sum, sum.lit(1.0)))
-}
-
 impl<R: Real> Profile<R> for Spherical<R> {
     /// (36)
     fn density(&self, point: Vector<R>) -> R {
@@ -223,7 +229,7 @@ impl<R: Real> Profile<R> for Spherical<R> {
 
     /// (1)
     fn column(&self, ray: &Ray<R>, t: R) -> R {
-        self.gathered(&self.sphere.passage(ray), t)
+        self.column_of(&self.sphere.passage(ray), t)
     }
 
     /// (1), (3), and (4) of [`super::gradient`].
@@ -282,34 +288,13 @@ impl<R: Real> Profile<R> for Spherical<R> {
 
     /// (1), inverted by iteration from (2).
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        let (zero, infinity) = (column.lit(0.0), column.lit(f64::INFINITY));
-        let plain = self.detach();
-        let passage = plain.sphere.passage(&ray.detach());
-        let total = plain.gathered(&passage, infinity);
-        let some = zero.lt(column);
-        let reached = some & column.le(total) & column.is_bounded();
-        let target = R::select(reached, column, total.min(column.lit(1.0)));
-        let t = solve::increasing(
-            |t| plain.gathered(&passage, t),
-            |t| plain.slopes(&passage, t),
-            |t| self.column(ray, t),
-            target,
-            plain.start(&passage, target.detach()),
-        );
-        R::select(reached, t, R::select(some, infinity, zero))
+        layers::inv_column(self, ray, column, |column, total| {
+            column.le(total) & column.is_bounded()
+        })
     }
 
     fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
-        let (plain, goal) = (self.detach(), column.detach());
-        let passage = plain.sphere.passage(&ray.detach());
-        let (t, _) = solve::iterate(
-            |t| plain.gathered(&passage, t),
-            |t| plain.slopes(&passage, t),
-            goal,
-            plain.start(&passage, goal),
-        );
-        let zero = goal.lit(0.0);
-        R::select(zero.lt(goal), t, zero)
+        layers::inv_reached_column(self, ray, column)
     }
 
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {

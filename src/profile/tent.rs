@@ -28,12 +28,13 @@
 //! 6e-7 (f32).
 
 use super::gradient::{Gradient, Pull, around, at_end, to_perigee};
+use super::layers::{self, Layers};
 use super::{Parameter, Profile};
 use crate::error::{self, Error};
 use crate::geometry::planet::{Passage, Piece, Sphere};
 use crate::geometry::{Ray, Vector};
 use crate::real::{Real, either, polynomial};
-use crate::solve::{self, Bracket, Start};
+use crate::solve::{Bracket, Start};
 
 /// ρ(h) = max(0, 1 − |h − `height`|/`width`), h the altitude above `sphere`.
 #[derive(Clone, Copy, Debug)]
@@ -234,6 +235,12 @@ impl<R: Real> Tent<R> {
         let [(_, lower), (_, upper)] = self.parts(piece);
         lower + upper
     }
+}
+
+impl<R: Real> Layers<R> for Tent<R> {
+    fn sphere(&self) -> &Sphere<R> {
+        &self.sphere
+    }
 
     fn column_of(&self, passage: &Passage<R>, t: R) -> R {
         let (first, second, turns) = passage.pieces(t);
@@ -241,7 +248,6 @@ impl<R: Real> Tent<R> {
         self.gathered(&first) + R::select(turns, second, t.lit(0.0))
     }
 
-    /// ρ(t) and ρ′(t).
     fn slopes(&self, passage: &Passage<R>, t: R) -> (R, R) {
         let (zero, one) = (t.lit(0.0), t.lit(1.0));
         let altitude = passage.altitude + passage.rise(t);
@@ -356,36 +362,11 @@ impl<R: Real> Profile<R> for Tent<R> {
     }
 
     fn inv_column(&self, ray: &Ray<R>, column: R) -> R {
-        let (zero, one, infinity) = (column.lit(0.0), column.lit(1.0), column.lit(f64::INFINITY));
-        let plain = self.detach();
-        let passage = plain.sphere.passage(&ray.detach());
-        let total = plain.column_of(&passage, infinity);
-        let some = zero.lt(column);
-        let reached = some & column.lt(total);
-
-        let half = column.lit(0.5);
-        let target = R::select(reached, column, total.min(one) * half);
-        let t = solve::increasing(
-            |t| plain.column_of(&passage, t),
-            |t| plain.slopes(&passage, t),
-            |t| self.column(ray, t),
-            target,
-            plain.start(&passage, target.detach()),
-        );
-        R::select(reached, t, R::select(some, infinity, zero))
+        layers::inv_column(self, ray, column, |column, total| column.lt(total))
     }
 
     fn inv_reached_column(&self, ray: &Ray<R>, column: R) -> R {
-        let (plain, goal) = (self.detach(), column.detach());
-        let passage = plain.sphere.passage(&ray.detach());
-        let (t, _) = solve::iterate(
-            |t| plain.column_of(&passage, t),
-            |t| plain.slopes(&passage, t),
-            goal,
-            plain.start(&passage, goal),
-        );
-        let zero = goal.lit(0.0);
-        R::select(zero.lt(goal), t, zero)
+        layers::inv_reached_column(self, ray, column)
     }
 
     fn guess_inv_column(&self, ray: &Ray<R>, column: R) -> R {

@@ -130,16 +130,18 @@ public:
             drawn.channel = choose_channel(channel_chances(throughput), u.event);
 
         Float t = dr::Infinity<Float>;
-        for (size_t i = 0; i < matter.parts(); ++i)
-            t = dr::minimum(t,
-                            distance(matter, i, segment, drawn, -dr::log(1.f - u.place[i]), false));
+        const Float tau = -dr::log(1.f - u.place[0]);
+        for (size_t i = 0; i < matter.parts(); ++i) {
+            const Float own = i > 0 ? -dr::log(1.f - u.place[i]) : tau;
+            t = dr::minimum(t, distance(matter, i, segment, drawn, own, false));
+        }
         const Mask collides = active && t < segment.length;
 
         Flight flight{ dr::select(collides, segment.near + t, dr::Infinity<Float>), 1.f, 1.f, false,
                        false };
         if (matter.count > 0 && dr::any_or<true>(collides))
-            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
-                    -dr::log(1.f - u.place[0]), 1.f, throughput, u.kind, mi, collides);
+            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f), tau,
+                    1.f, throughput, u.kind, mi, collides);
         return flight;
     }
 
@@ -188,18 +190,19 @@ public:
         const Float chance = dr::minimum(gain * natural, 1.f);
         Mask collides = active && u.event < chance;
 
-        Float t = dr::Infinity<Float>;
-        if (dr::any_or<true>(collides))
-            t = first_collision(matter, segment, drawn, lost, u.place, collides);
+        Float t = dr::Infinity<Float>, tau = 0.f;
+        if (dr::any_or<true>(collides)) {
+            tau = -dr::log(1.f - u.place[0] * lost);
+            t = first_collision(matter, segment, drawn, tau, u.place, collides);
+        }
         t = dr::select(collides, t, dr::Infinity<Float>);
         collides &= dr::isfinite(t);
 
         Flight flight{ segment.near + t, through * passing_weight(drawn, start, depth),
                        through * dr::exp(-depth), false, false };
         if (matter.count > 0 && dr::any_or<true>(collides))
-            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f),
-                    -dr::log(1.f - u.place[0] * lost), natural / dr::maximum(chance, Tiny),
-                    throughput, u.kind, mi, collides);
+            collide(flight, rules, ray, segment, matter, drawn, dr::select(collides, t, 0.f), tau,
+                    natural / dr::maximum(chance, Tiny), throughput, u.kind, mi, collides);
         return flight;
     }
 
@@ -421,10 +424,10 @@ private:
         return 2.f * half / (1.f + half);
     }
 
-    /// Distance of the collision of a flight that has one, of the probability `lost`.
+    /// Distance of the collision of a flight that ends at the optical depth `tau`.
     Float first_collision(const Matter &matter, const Segment &segment, const Drawn &drawn,
-                          const Float &lost, const Vector4f &u, const Mask &active) const {
-        Float t = dr::Infinity<Float>, rest = -dr::log(1.f - u[0] * lost);
+                          const Float &tau, const Vector4f &u, const Mask &active) const {
+        Float t = dr::Infinity<Float>, rest = tau;
         Mask met = false;
         for (size_t i = 0; i < matter.parts(); ++i) {
             const Float depth = matter.depth(i, drawn);

@@ -66,15 +66,12 @@ def start(sensor, sampler, ends) -> Start:
     crop = mi.ScalarVector2f(film.crop_size())
     place = (position - mi.ScalarVector2f(film.crop_offset())) / crop
     ray, weight = sensor.sample_ray_differential(time, wavelength, place, aperture)
-    box = film.rfilter().is_box_filter()
-    return Start(ray, weight, pixel if box else position, share)
+    return Start(ray, weight, _splat_position(film, pixel, position), share)
 
 
-def adjoint(splat, film, start: Start, derivative):
-    """What the light of each path is to be multiplied by, of the `derivative` by the image.
-
-    `splat` is that of Mitsuba's integrators.
-    """
+def adjoint(film, start: Start, derivative):
+    """What the light of each path is to be multiplied by, of the `derivative` by the image."""
+    splat = mi.ad.integrators.common.ADIntegrator._splat_to_block
     with dr.resume_grad():
         light = dr.ones(mi.Spectrum, dr.width(start.position))
         dr.enable_grad(light)
@@ -100,16 +97,16 @@ def adjoint(splat, film, start: Start, derivative):
     return found
 
 
-def importance(splat, film, derivative):
+def importance(film, derivative):
     """How much depends on each pixel: the adjoint of one path through its middle."""
     size, corner = _grid(film)
     pixel = _pixel(dr.arange(mi.UInt32, size[0] * size[1]), size, corner)
     ray = dr.zeros(mi.RayDifferential3f)
     if mi.is_spectral:
         ray.wavelengths, _ = mi.sample_rgb_spectrum(mi.sample_shifted(mi.Float(0.5)))
-    box = film.rfilter().is_box_filter()
-    middle = Start(ray, mi.Spectrum(1), pixel if box else pixel + 0.5, mi.Float(1))
-    found = dr.sum(dr.abs(adjoint(splat, film, middle, derivative)))
+    place = _splat_position(film, pixel, pixel + 0.5)
+    middle = Start(ray, mi.Spectrum(1), place, mi.Float(1))
+    found = dr.sum(dr.abs(adjoint(film, middle, derivative)))
     return dr.select(dr.isfinite(found), found, 0)
 
 
@@ -123,3 +120,8 @@ def _grid(film):
 def _pixel(index, size, corner):
     row = index // size[0]
     return mi.Vector2f(mi.Vector2i(index - row * size[0], row) + corner)
+
+
+def _splat_position(film, pixel, position):
+    """Where a path counts: with a box filter in its pixel, however its position is rounded."""
+    return pixel if film.rfilter().is_box_filter() else position

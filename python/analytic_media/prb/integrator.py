@@ -65,14 +65,14 @@ class PrbAnalyticVolpath(common.RBIntegrator):
 
     def _follow(self, scene, sensor, derivative, seed, spp):
         """Reverse mode, with paths where the derivative by the image is large."""
-        splat, film = common.ADIntegrator._splat_to_block, sensor.film()
+        film = sensor.film()
         self._medium = sensor.get_medium()
         with dr.suspend_grad():
             sampler, spp = self.prepare(sensor, seed, spp)
-            importance = camera.importance(splat, film, derivative)
+            importance = camera.importance(film, derivative)
             start = camera.start(sensor, sampler, camera.counts(importance, spp))
             path = {"scene": scene, "ray": start.ray}
-            δL = camera.adjoint(splat, film, start, derivative)
+            δL = camera.adjoint(film, start, derivative)
             *_, state = self.sample(dr.ADMode.Primal, sampler=sampler.clone(), **path)
             self.sample(dr.ADMode.Backward, sampler=sampler, δL=δL, state_in=state, **path)
             dr.eval()
