@@ -11,6 +11,9 @@
 
 namespace mitsuba {
 
+/// The most components of a medium, for arrays of them.
+constexpr size_t MaxComponents = 16;
+
 template <typename Float, typename Spectrum> class Component final : public Object {
 public:
     MI_IMPORT_TYPES(PhaseFunction)

@@ -35,7 +35,8 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
 
  * - rr_depth
    - |int|
-   - Path depth after which Russian roulette may end a path. (Default: 2; stock integrators take 5)
+   - Path depth after which Russian roulette may end a path: those that carry less than half of
+     what they began with. (Default: 1; stock integrators take 5)
 
  * - hide_emitters
    - |bool|
@@ -43,8 +44,9 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
 
  * - emitter_samples
    - |int|
-   - Light samples per vertex, stratified over the light sources. (Default: 0, which stands for 2
-     where there are several light sources, such as sun and sky, and for 1 otherwise)
+   - Light samples per vertex, stratified over the light sources, of which one is traced: that is
+     chosen by the light it would bring. (Default: 0, which stands for 2 where there are several
+     light sources, such as sun and sky, and for 1 otherwise)
 
  * - spectral_sampling
    - |string|
@@ -83,9 +85,9 @@ environment, rays that meet no surface are made to collide more often than in na
 weight: a clear sky before black space is as free of noise as a cloud. Light sources are combined
 with phase functions and BSDFs by multiple importance sampling.
 
-Parameters, path depth and roulette are those of ``volpath``, except that passing an index-matched
-boundary plays no roulette. Stock media in the same scene are rendered by delta tracking, and their
-transmittance is estimated by ratio tracking.
+Parameters and path depth are those of ``volpath``. Roulette spares paths that carry half of what
+they began with, and passing an index-matched boundary plays none. Stock media in the same scene are
+rendered by delta tracking, and their transmittance is estimated by ratio tracking.
 
 .. tabs::
     .. code-tab:: xml
@@ -176,10 +178,12 @@ public:
 private:
     /// Shadow rays that less than this gets through are traced with a lower probability.
     static constexpr ScalarFloat DimTransmittance = 0.25f;
+    /// Paths that carry less than this end with a higher probability than others.
+    static constexpr ScalarFloat DimThroughput = 0.5f;
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
-    static constexpr uint32_t DefaultRouletteDepth = 2;
+    static constexpr uint32_t DefaultRouletteDepth = 1;
     /// Equiangular sampling follows phase functions up to this asymmetry, that of g = 0.98.
     static constexpr ScalarFloat MaxForwardness = 100.f;
     /// Colours or wavelengths of a path.
@@ -729,30 +733,58 @@ private:
         dr::masked(path.result, shines) += throughput * emitter->eval(si, shines) * mis;
     }
 
-    /// Light that reaches the vertex straight from light sources and leaves along the path.
+    /// Light that a source would send from a vertex along the path, were nothing in between.
+    struct LightSample {
+        Mask active = false;
+        /// From the vertex to the light source.
+        Ray3f ray = dr::zeros<Ray3f>();
+        Mask infinite = false;
+        Spectrum value = 0.f;
+
+        DRJIT_STRUCT(LightSample, active, ray, infinite, value)
+    };
+
+    /**
+     * Light that reaches the vertex straight from light sources and leaves along the path.
+     *
+     * Of several samples one is traced, which stands for all: it is chosen by the light it would
+     * bring (resampled importance sampling; Talbot, Cline and Egbert 2005). A shadow ray costs more
+     * than all else about a sample.
+     */
     Spectrum sample_lights(const Scene *scene, const Survey &found, const Path &path,
                            const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
                            const PhaseFunctionPtr &phase, const Mask &in_medium,
                            const Mask &active) const {
-        Spectrum result = 0.f;
-        for (uint32_t i = 0; i < found.emitter_samples; ++i) {
-            // The first coordinate chooses the light source: a stratum for each sample.
-            Point2f u = path.sampler->next_2d(active);
-            u.x() = (u.x() + (ScalarFloat) i) / (ScalarFloat) found.emitter_samples;
-            result += sample_light(scene, found, path, v, here, bsdf, phase, in_medium, u, active);
+        LightSample kept =
+            draw_light(scene, found, path, v, here, bsdf, phase, in_medium, 0, active);
+        Float weight = brightness(path, kept), total = weight;
+        for (uint32_t i = 1; i < found.emitter_samples; ++i) {
+            const LightSample other =
+                draw_light(scene, found, path, v, here, bsdf, phase, in_medium, i, active);
+            const Float own = brightness(path, other);
+            total += own;
+            const Mask replaces = path.sampler->next_1d(active) * total < own;
+            kept = dr::select(replaces, other, kept);
+            weight = dr::select(replaces, own, weight);
         }
-        return result / (ScalarFloat) found.emitter_samples;
+        if (found.emitter_samples > 1)
+            kept.value *=
+                dr::select(weight > 0.f, total / weight, 0.f) / (ScalarFloat) found.emitter_samples;
+        return trace_light(scene, found, path, v, kept, in_medium);
     }
 
-    /// One sample of sample_lights().
-    Spectrum sample_light(const Scene *scene, const Survey &found, const Path &path,
-                          const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
-                          const PhaseFunctionPtr &phase, const Mask &in_medium, const Point2f &u,
-                          Mask active) const {
+    /// Sample number `index` of the light sources: the unit interval that chooses one of them is
+    /// divided between the samples.
+    LightSample draw_light(const Scene *scene, const Survey &found, const Path &path,
+                           const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
+                           const PhaseFunctionPtr &phase, const Mask &in_medium, uint32_t index,
+                           Mask active) const {
+        Point2f u = path.sampler->next_2d(active);
+        u.x() = (u.x() + (ScalarFloat) index) / (ScalarFloat) found.emitter_samples;
         auto [ds, light] = scene->sample_emitter_direction(here, u, false, active);
         active &= ds.pdf != 0.f;
         if (dr::none_or<false>(active))
-            return 0.f;
+            return {};
 
         Spectrum value = 0.f;
         Float value_pdf = 0.f;
@@ -777,30 +809,46 @@ private:
             if (m_distances == DistanceSampling::Equiangular)
                 active &= !twice;
         }
-
-        const Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
-        // The size of the scene is no part of it: a frozen function would not know it.
-        const Ray3f ray = dr::select(infinite, here.spawn_ray(ds.d), here.spawn_ray_to(ds.p));
-        MediumPtr medium = path.medium;
-        if (found.media() && found.permeable && dr::any_or<true>(at_surface)) {
-            Mask crosses = at_surface && v.si.is_medium_transition();
-            dr::masked(medium, crosses) = v.si.target_medium(ray.d);
-        }
-        Spectrum through = transmittance(scene, found, path.sampler, ray, medium, infinite, active);
         Float mis = mis_weight(ds.pdf * (ScalarFloat) found.emitter_samples,
                                dr::select(ds.delta, 0.f, value_pdf));
         if (found.lit() && m_distances == DistanceSampling::Mis && dr::any_or<true>(twice))
             dr::masked(mis, twice) *= weight_of_flight(found, path, v, ds);
-        return dr::select(active, value * through * light * mis, 0.f);
+
+        const Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
+        // The size of the scene is no part of it: a frozen function would not know it.
+        const Ray3f ray = dr::select(infinite, here.spawn_ray(ds.d), here.spawn_ray_to(ds.p));
+        return { active, ray, infinite, dr::select(active, value * light * mis, 0.f) };
     }
 
-    /// Ends paths that carry little, and makes up for them by the rest.
+    /// What the camera would get of a light sample.
+    static Float brightness(const Path &path, const LightSample &light) {
+        return dr::sum(unpolarized_spectrum(path.throughput * light.value));
+    }
+
+    /// What gets through to the vertex of a light sample.
+    Spectrum trace_light(const Scene *scene, const Survey &found, const Path &path, const Vertex &v,
+                         const LightSample &light, const Mask &in_medium) const {
+        if (dr::none_or<false>(light.active))
+            return 0.f;
+        const Mask at_surface = light.active && !in_medium;
+        MediumPtr medium = path.medium;
+        if (found.media() && found.permeable && dr::any_or<true>(at_surface)) {
+            Mask crosses = at_surface && v.si.is_medium_transition();
+            dr::masked(medium, crosses) = v.si.target_medium(light.ray.d);
+        }
+        const Spectrum through = transmittance(scene, found, path.sampler, light.ray, medium,
+                                               light.infinite, light.active);
+        return dr::select(light.active, light.value * through, 0.f);
+    }
+
+    /// Ends paths that carry little, and makes up for them by the rest. Those that carry half of
+    /// what they began with, or more, are as good as spared: measured, docs/performance.md.
     void play_roulette(Path &path, const Mask &scattered) const {
         Mask plays = path.active && scattered && path.depth > m_rr_depth;
         if (dr::none_or<false>(plays))
             return;
         Float brightest = dr::max(unpolarized_spectrum(path.throughput));
-        Float survival = dr::minimum(brightest * dr::square(path.eta), .95f);
+        Float survival = dr::minimum(brightest * dr::square(path.eta) / DimThroughput, .95f);
         path.active &= path.sampler->next_1d(plays) < survival || !plays;
         dr::masked(path.throughput, plays) *= dr::rcp(dr::detach(survival));
     }

@@ -321,8 +321,6 @@ protected:
 private:
     using Drawn = mitsuba::Drawn<UnpolarizedSpectrum>;
 
-    /// The most components of a medium: flights keep them in arrays.
-    static constexpr size_t MaxComponents = 16;
     /// Stands for probabilities of 0 in denominators.
     static constexpr ScalarFloat Tiny = 1e-30f;
 

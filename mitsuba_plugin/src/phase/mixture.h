@@ -2,6 +2,8 @@
 
 #pragma once
 
+#include <array>
+
 #include <mitsuba/core/properties.h>
 #include <mitsuba/render/interaction.h>
 #include <mitsuba/render/phase.h>
@@ -81,21 +83,22 @@ public:
 private:
     /// Of each part: its share of the scattering, and the probability of sampling it.
     struct Weights {
-        std::vector<UnpolarizedSpectrum> share;
-        std::vector<Float> chance;
+        std::array<UnpolarizedSpectrum, MaxComponents> share;
+        std::array<Float, MaxComponents> chance;
     };
 
     Weights weigh(const MediumInteraction3f &mi, Mask active) const {
         Weights weights;
         UnpolarizedSpectrum sum = 0.f;
-        for (const auto &part : m_parts) {
-            weights.share.push_back(part->scattering(mi, active));
-            sum += weights.share.back();
+        for (size_t i = 0; i < m_parts.size(); ++i) {
+            weights.share[i] = m_parts[i]->scattering(mi, active);
+            sum += weights.share[i];
         }
         const Float mean = dr::mean(sum);
         const ScalarFloat equal = 1.f / (ScalarFloat) m_parts.size();
-        for (UnpolarizedSpectrum &share : weights.share) {
-            weights.chance.push_back(dr::select(mean > 0.f, dr::mean(share) / mean, equal));
+        for (size_t i = 0; i < m_parts.size(); ++i) {
+            UnpolarizedSpectrum &share = weights.share[i];
+            weights.chance[i] = dr::select(mean > 0.f, dr::mean(share) / mean, equal);
             share = dr::select(sum > 0.f, share / sum, equal);
         }
         return weights;
