@@ -1,5 +1,7 @@
 """The command line: what it refuses, and with which words."""
 
+import xml.etree.ElementTree as ElementTree
+
 import pytest
 
 from analytic_media import cli
@@ -92,3 +94,39 @@ def test_voxelize_writes_a_scene_for_stock_mitsuba(scene, tmp_path, capsys):
     mi.file_resolver().prepend(str(output))
     image = mi.render(mi.load_file(str(written)), spp=2)
     assert image.shape == (4, 4, 3)
+
+
+SHARED = """
+<scene version="3.0.0">
+    <phase type="hg" id="droplets"><float name="g" value="0.8"/></phase>
+    <medium type="overlap" id="fog">
+        <point name="bbox_min" value="-1, -1, 0"/>
+        <point name="bbox_max" value="1, 1, 2"/>
+        <medium type="analytic" name="a"><ref id="droplets"/></medium>
+        <medium type="analytic" name="b">{second}</medium>
+    </medium>
+    <shape type="sphere"><ref name="interior" id="fog"/></shape>
+</scene>
+"""
+
+
+@pytest.mark.parametrize(
+    ("second", "kinds"),
+    [
+        ('<ref id="droplets"/>', ["hg"]),
+        ('<phase type="hg"><float name="g" value="0.5"/></phase>', ["blendphase", "hg", "hg"]),
+        ('<phase type="isotropic"/>', ["blendphase", "hg", "isotropic"]),
+    ],
+    ids=["the same", "another", "of another kind"],
+)
+def test_voxelized_overlaps_keep_their_phase_functions(tmp_path, second, kinds):
+    """By reference or stated; those that two components share are not blended."""
+    scene = tmp_path / "scene.xml"
+    scene.write_text(SHARED.format(second=second))
+    assert run("voxelize", scene, "--resolution", "4", "--output", tmp_path) == 0
+    medium = ElementTree.parse(tmp_path / "scene_4.xml").find("medium")
+    assert [phase.get("type") for phase in medium.iter("phase")] == kinds
+    assert medium.find(".//phase[@type='hg']/float[@name='g']").get("value") == "0.8"
+    mi.set_variant("scalar_rgb")
+    mi.file_resolver().prepend(str(tmp_path))
+    mi.load_file(str(tmp_path / "scene_4.xml"))

@@ -196,6 +196,24 @@ def test_mixture_samples_what_it_evaluates(variant):
         np.testing.assert_allclose(np.array(weight * pdf), np.array(value), rtol=1e-5)
 
 
+@scalar_and_llvm
+@pytest.mark.parametrize("common", [hg(0.7), {"type": "isotropic"}], ids=lambda p: p["type"])
+def test_components_that_scatter_alike_are_as_one(variant, common):
+    """One object, and kinds without parameters: the mixture does without weights."""
+    own = mi.load_dict(common)
+    low, high = (LOW | {"phase": own}, HIGH | {"phase": own})
+    if common["type"] == "isotropic":
+        high = HIGH | {"phase": common}
+    mixture = mi.load_dict(overlap(low=low, high=high)).phase_function()
+    ctx, mei, wo = mi.PhaseFunctionContext(), interaction(0.5), np.array([0.0, 0.28, -0.96])
+    for mixed, alone in (
+        (mixture.eval_pdf(ctx, mei, wo), own.eval_pdf(ctx, mei, wo)),
+        (mixture.sample(ctx, mei, 0.4, [0.3, 0.7]), own.sample(ctx, mei, 0.4, [0.3, 0.7])),
+    ):
+        for a, b in zip(mixed, alone, strict=True):
+            np.testing.assert_array_equal(np.array(a), np.array(b))
+
+
 @llvm_ad_rgb
 @pytest.mark.parametrize("height", [-1.0, 0.5, 3.0])
 def test_mixture_passes_chi_square(variant, height):

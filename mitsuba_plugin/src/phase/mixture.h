@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include <mitsuba/core/properties.h>
@@ -18,7 +19,7 @@ namespace mitsuba {
  *     p = sum(s_i p_i) / sum(s_i).
  *
  * A component is sampled in proportion to the mean of s_i over the channels. Where nothing
- * scatters, all components count the same.
+ * scatters, all components count the same. Components that share a phase function are as one.
  */
 template <typename Float, typename Spectrum>
 class MixturePhaseFunction final : public PhaseFunction<Float, Spectrum> {
@@ -34,6 +35,10 @@ public:
                 m_components.push_back(part->phase()->flags(i));
             m_flags |= part->phase()->flags();
         }
+        const Base *first = m_parts.front()->phase();
+        if (std::all_of(m_parts.begin(), m_parts.end(),
+                        [&](const auto &part) { return alike(first, part->phase()); }))
+            m_common = first;
     }
 
     std::tuple<Vector3f, Spectrum, Float> sample(const PhaseFunctionContext &ctx,
@@ -41,6 +46,8 @@ public:
                                                  const Point2f &sample2,
                                                  Mask active) const override {
         MI_MASKED_FUNCTION(ProfilerPhase::PhaseFunctionSample, active);
+        if (m_common)
+            return m_common->sample(ctx, mi, sample1, sample2, active);
         const Weights weights = weigh(mi, active);
         // What is left of the variate in each part's share of [0, 1) is uniform again.
         Vector3f wo = dr::zeros<Vector3f>();
@@ -65,6 +72,8 @@ public:
                                         const MediumInteraction3f &mi, const Vector3f &wo,
                                         Mask active) const override {
         MI_MASKED_FUNCTION(ProfilerPhase::PhaseFunctionEvaluate, active);
+        if (m_common)
+            return m_common->eval_pdf(ctx, mi, wo, active);
         return mix(weigh(mi, active), ctx, mi, wo, active);
     }
 
@@ -81,6 +90,12 @@ public:
     MI_DECLARE_CLASS(MixturePhaseFunction)
 
 private:
+    /// Whether two phase functions are one object, or of the kind that has no parameters.
+    static bool alike(const Base *a, const Base *b) {
+        const char *isotropic = "IsotropicPhaseFunction";
+        return a == b || (a->class_name() == isotropic && b->class_name() == isotropic);
+    }
+
     /// Of each part: its share of the scattering, and the probability of sampling it.
     struct Weights {
         std::array<UnpolarizedSpectrum, MaxComponents> share;
@@ -118,6 +133,8 @@ private:
     }
 
     Parts m_parts;
+    /// What scatters like all parts, if they do not differ: it needs no weights.
+    const Base *m_common = nullptr;
 
     MI_TRAVERSE_CB(Base, m_parts)
 };

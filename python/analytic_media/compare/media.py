@@ -60,7 +60,7 @@ class Component:
 
     `sigma_t` is a float (grey, 1/length) or an array of three (rgb), and so is `albedo`, which is
     None where the node's own property is to be kept as it is. `phase` is the number of the phase
-    function's node, or None.
+    function's node, None if it is isotropic.
     """
 
     profile: object
@@ -118,8 +118,8 @@ class MediumGrids:
     """A medium on a grid, as `heterogeneous` takes it.
 
     `extinction` is relative to the medium's `sigma_max`. `albedo` is None where it does not vary.
-    `blends` are, for all but the last of the `phases`, the share of the scattering that belongs to
-    the phase functions after it.
+    `phases` are those of an overlap, each once; `blends` are, for all but the last of them, the
+    share of the scattering that belongs to the phase functions after it.
     """
 
     extinction: Grid
@@ -164,6 +164,8 @@ def read_component(state, node):
     given = {p.name: props[p.name] for p in cls._kind.parameters if p.name in props}
     given = {name: vector(value) for name, value in given.items()}
     [phase] = children(state, node, mi.ObjectType.PhaseFunction) or [None]
+    if phase is not None and state.nodes[phase].props.plugin_name() == "isotropic":
+        phase = None
     return Component(cls(**given), *read_coefficients(props), phase)
 
 
@@ -278,19 +280,18 @@ def grids(medium, bbox, resolution):
     extinction, scattering = total(sigma_t), total(sigma_s)
     albedo = ratio(scattering, extinction)
 
-    amounts = [
-        (c.phase, d.data * np.float32(np.mean(s)))
-        for c, d, s in zip(medium.components, densities, sigma_s, strict=True)
-        if np.any(s > 0)
-    ]
+    amounts = {}  # of what scatters alike
+    for c, d, s in zip(medium.components, densities, sigma_s, strict=True):
+        if np.any(s > 0):
+            amounts[c.phase] = amounts.get(c.phase, 0.0) + d.data * np.float32(np.mean(s))
     blends, after = [], 0.0
-    for _, amount in reversed(amounts):
+    for amount in reversed(amounts.values()):
         blends.append(ratio(after, after + amount))
         after = after + amount
     return MediumGrids(
         Grid(extinction, densities[0].bbox),
         Grid(albedo, densities[0].bbox),
-        [phase for phase, _ in amounts],
+        list(amounts) or [None],
         [Grid(blend, densities[0].bbox) for blend in reversed(blends[1:])],
     )
 

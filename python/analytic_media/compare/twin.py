@@ -28,6 +28,7 @@ def parse(path, variant, parameters=None):
     try:
         state = mi.parser.parse_file(config, str(path), **given)
         mi.parser.transform_upgrade(config, state)
+        mi.parser.transform_resolve(config, state)
     except RuntimeError as error:
         raise SceneError(f"scene {path}: {error}") from error
     return state
@@ -128,18 +129,10 @@ def enclosed(state):
 
 def has_boundary(state, number):
     """Whether a shape refers to the medium."""
-    name = state.nodes[number].props.id()
-
-    def refers(value):
-        if isinstance(value, mi.Properties.ResolvedReference):
-            return value.index() == number
-        return isinstance(value, mi.Properties.Reference) and value.id() == name
-
     return any(
-        refers(node.props[key])
+        number in media.children(state, node, mi.ObjectType.Medium)
         for node in state.nodes
         if node.type == mi.ObjectType.Shape
-        for key in node.props.keys()  # noqa: SIM118 (Properties is not a mapping)
     )
 
 

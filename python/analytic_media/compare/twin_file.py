@@ -4,6 +4,7 @@ The XML is edited as text: Mitsuba's own writer renames parameters and, in 3.9.1
 some transforms wrongly.
 """
 
+import copy
 import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 
 from . import media, twin
 
+DEFAULT_PHASE = ElementTree.Element("phase", type="isotropic")
 VARIANT = "scalar_rgb"  # the scene is only parsed, any rgb variant serves
 
 
@@ -61,7 +63,7 @@ def write_twin(scene, resolution, folder, medium=None, parameters=None):
             return volume_element(name, path.name)
 
         if m.is_overlap:
-            replace_overlap(element, m, own, volume)
+            replace_overlap(root, element, m, own, volume)
         else:
             replace_element(element, m, volume(own.extinction, "sigma_t", "sigma_t"))
     edit_scene(root, scene, folder, parameters or {})
@@ -105,11 +107,11 @@ def replace_element(element, medium, volume):
     insert(element, medium, added)
 
 
-def replace_overlap(element, medium, grids, volume):
+def replace_overlap(root, element, medium, grids, volume):
     """Turn an `overlap` element into `heterogeneous`, its phase functions into a `blendphase`."""
-    phases = [child.find("phase") for child in element.iter("medium") if child is not element]
-    scattering = [p for p, c in zip(phases, medium.components, strict=True) if np.any(c.albedo)]
-    *first, result = [named(phase) for phase in scattering]
+    phases = [phase_of(child, root) for child in element.iter("medium") if child is not element]
+    numbered = {c.phase: p for p, c in zip(phases, medium.components, strict=True)}
+    *first, result = [numbered.get(phase, DEFAULT_PHASE) for phase in grids.phases]
     for number in reversed(range(len(first))):
         blend = ElementTree.Element("phase", type="blendphase")
         blend.append(volume(grids.blends[number], f"phase{number}", "weight"))
@@ -122,9 +124,17 @@ def replace_overlap(element, medium, grids, volume):
     insert(element, medium, [extinction, volume(grids.albedo, "albedo", "albedo"), result])
 
 
-def named(phase):
-    """A phase function without a name of its own: the default if there is none."""
-    phase = ElementTree.Element("phase", type="isotropic") if phase is None else phase
+def phase_of(medium, root):
+    """A copy of the phase function that a medium states or refers to, without a name of its own:
+    the default if there is none."""
+    stated = medium.find("phase")
+    if stated is None:
+        known = {phase.get("id"): phase for phase in root.iter("phase")}
+        referred = [known[ref.get("id")] for ref in medium.findall("ref") if ref.get("id") in known]
+        phase = copy.deepcopy(referred[0] if referred else DEFAULT_PHASE)
+        phase.attrib.pop("id", None)
+    else:
+        phase = copy.deepcopy(stated)
     phase.attrib.pop("name", None)
     return phase
 
