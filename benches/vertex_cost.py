@@ -5,7 +5,8 @@
 The valley of scenes/height_fog.xml, filled with a fog that is all but uniform: an exponential
 profile with a scale height of 1e7 m for us, stock `homogeneous` in a cube with a null BSDF for
 `volpath`. Both trace the same paths, so the ratio of their process CPU times is the ratio of the
-cost of a vertex. One light sample per vertex on both sides; rounds are interleaved.
+cost of a vertex. One light sample per vertex and no roulette, whose rules differ, on both sides;
+rounds are interleaved.
 """
 
 import argparse
@@ -54,7 +55,7 @@ def scene(integrator, medium, boundary=""):
 
 
 def integrator(name, extra=""):
-    depth = '<integer name="max_depth" value="32"/><integer name="rr_depth" value="5"/>'
+    depth = '<integer name="max_depth" value="32"/><integer name="rr_depth" value="32"/>'
     return f'<integrator type="{name}">{depth}{extra}</integrator>'
 
 
