@@ -130,3 +130,23 @@ def test_voxelized_overlaps_keep_their_phase_functions(tmp_path, second, kinds):
     mi.set_variant("scalar_rgb")
     mi.file_resolver().prepend(str(tmp_path))
     mi.load_file(str(tmp_path / "scene_4.xml"))
+
+
+@pytest.mark.parametrize("swap", [False, True], ids=["stated first", "referred to first"])
+def test_voxelized_overlaps_keep_what_others_refer_to(tmp_path, swap):
+    """A phase function that is stated in an overlap may serve other media as well."""
+    components = [
+        '<phase type="hg" id="own"><float name="g" value="0.8"/></phase>',
+        '<ref id="own"/>',
+    ]
+    first, second = reversed(components) if swap else components
+    text = SHARED.replace('<ref id="droplets"/>', first).format(second=second)
+    other = '<medium type="homogeneous" id="other"><ref id="own"/></medium>'
+    scene = tmp_path / "scene.xml"
+    scene.write_text(text.replace("<shape", other + "<shape"))
+    assert run("voxelize", scene, "--resolution", "4", "--output", tmp_path) == 0
+    medium = ElementTree.parse(tmp_path / "scene_4.xml").find("medium[@id='fog']")
+    assert [phase.get("type") for phase in medium.iter("phase")] == ["hg"]
+    mi.set_variant("scalar_rgb")
+    mi.file_resolver().prepend(str(tmp_path))
+    mi.load_file(str(tmp_path / "scene_4.xml"))

@@ -110,7 +110,11 @@ def replace_element(element, medium, volume):
 def replace_overlap(root, element, medium, grids, volume):
     """Turn an `overlap` element into `heterogeneous`, its phase functions into a `blendphase`."""
     phases = [phase_of(child, root) for child in element.iter("medium") if child is not element]
-    numbered = {c.phase: p for p, c in zip(phases, medium.components, strict=True)}
+    # Of those that are alike, one with an id is kept: there may be other references to it.
+    pairs = sorted(
+        zip(phases, medium.components, strict=True), key=lambda pair: "id" in pair[0].attrib
+    )
+    numbered = {c.phase: p for p, c in pairs}
     *first, result = [numbered.get(phase, DEFAULT_PHASE) for phase in grids.phases]
     for number in reversed(range(len(first))):
         blend = ElementTree.Element("phase", type="blendphase")
@@ -125,16 +129,14 @@ def replace_overlap(root, element, medium, grids, volume):
 
 
 def phase_of(medium, root):
-    """A copy of the phase function that a medium states or refers to, without a name of its own:
-    the default if there is none."""
-    stated = medium.find("phase")
-    if stated is None:
+    """The phase function that a medium states, a copy of the one that it refers to, or the
+    default; without a name of its own."""
+    phase = medium.find("phase")
+    if phase is None:
         known = {phase.get("id"): phase for phase in root.iter("phase")}
         referred = [known[ref.get("id")] for ref in medium.findall("ref") if ref.get("id") in known]
         phase = copy.deepcopy(referred[0] if referred else DEFAULT_PHASE)
         phase.attrib.pop("id", None)
-    else:
-        phase = copy.deepcopy(stated)
     phase.attrib.pop("name", None)
     return phase
 
