@@ -107,7 +107,7 @@ class AnalyticVolpathIntegrator final : public MonteCarloIntegrator<Float, Spect
 public:
     MI_IMPORT_BASE(MonteCarloIntegrator, m_max_depth, m_rr_depth, m_hide_emitters)
     MI_IMPORT_TYPES(Scene, Sensor, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Medium, MediumPtr,
-                    PhaseFunction, PhaseFunctionPtr, PhaseFunctionContext)
+                    PhaseFunction, PhaseFunctionPtr, PhaseFunctionContext, ShapePtr)
     using AnalyticPtr = dr::replace_scalar_t<Float, const FormulaMedium<Float, Spectrum> *>;
     using Flight = typename FormulaMedium<Float, Spectrum>::Flight;
     using FlightVariates = typename FormulaMedium<Float, Spectrum>::FlightVariates;
@@ -180,6 +180,8 @@ private:
     static constexpr ScalarFloat DimTransmittance = 0.25f;
     /// Paths that carry less than this end with a higher probability than others.
     static constexpr ScalarFloat DimThroughput = 0.5f;
+    /// All paths end at some time.
+    static constexpr ScalarFloat MaxSurvival = 0.99f;
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
@@ -226,7 +228,7 @@ private:
         Mask passes;
         /// Collided, and ends there.
         Mask absorbed;
-        /// Meets no surface in a medium of ours: what is behind it needs no sampling.
+        /// Leaves a medium of ours, and the scene: what is behind it needs no sampling.
         Mask escapes;
         /// Throughput of the light from behind the vertex.
         Spectrum background;
@@ -320,16 +322,19 @@ private:
         // The ray needs to be traced only as far as the flight goes, unless more of it is lit.
         if (!found.lit())
             path.ray.maxt = dr::minimum(reach, t);
-        v.si = scene->ray_intersect(path.ray, path.active);
-        Mask collided = in_medium && (found.lit() ? t < v.si.t : !v.si.is_valid()) && t < reach;
-        const Float end = dr::minimum(dr::minimum(t, v.si.t), limit(reach));
+        PreliminaryIntersection3f hit =
+            scene->ray_intersect_preliminary(path.ray, false, path.active);
+        Mask collided = in_medium && (found.lit() ? t < hit.t : !hit.is_valid()) && t < reach;
+        const Float end = dr::minimum(dr::minimum(t, hit.t), limit(reach));
 
         Float boost = 1.f; // of collisions over what they are in nature
         v.background = path.throughput;
         if (ours && found.sky)
             end_flight(found, flight, analytic, path.ray, end, throughput, in_ours && !collided);
         else if (ours) {
-            v.escapes = in_ours && !v.si.is_valid();
+            v.escapes = in_ours && !hit.is_valid();
+            if (found.permeable)
+                v.escapes |= leaves(scene, path, hit, in_ours && hit.is_valid());
             const Float gain =
                 dr::select(v.escapes, dr::select(path.depth == 0u, CameraGain, ScatteredGain), 1.f);
             flight =
@@ -344,7 +349,7 @@ private:
             dr::masked(v.background, v.escapes) *= dr::select(path.behind, 0.f, flight.past);
         }
         if (ours && found.lit())
-            light_medium(scene, found, path, v, analytic, dr::minimum(v.si.t, limit(reach)), t,
+            light_medium(scene, found, path, v, analytic, dr::minimum(hit.t, limit(reach)), t,
                          boost, in_ours);
         if (ours) {
             const Mask meets = in_ours && collided;
@@ -357,6 +362,8 @@ private:
         if (found.foreign && dr::any_or<true>(in_foreign))
             track(path, v, chance, end, collided && in_foreign, in_foreign);
 
+        v.si = hit.compute_surface_interaction(path.ray, +RayFlags::All,
+                                               path.active && hit.is_valid() && !collided);
         dr::masked(v.mi.t, collided) = t;
         dr::masked(v.mi.p, collided) = path.ray(t);
         dr::masked(v.mi.wi, collided) = -path.ray.d;
@@ -365,6 +372,26 @@ private:
         dr::masked(v.mi.wavelengths, collided) = path.ray.wavelengths;
         dr::masked(v.mi.medium, collided) = path.medium;
         return v;
+    }
+
+    /// Whether a ray in a medium hits its index-matched boundary, and there is nothing behind.
+    static Mask leaves(const Scene *scene, const Path &path, const PreliminaryIntersection3f &hit,
+                       Mask active) {
+        if (dr::none_or<false>(active))
+            return false;
+        const ShapePtr shape = hit.shape;
+        const BSDFPtr bsdf = shape->bsdf();
+        active &= shape->is_medium_transition() && bsdf != nullptr &&
+                  (bsdf->flags() & +BSDFFlags::All) == +BSDFFlags::Null;
+        const MediumPtr inside = shape->interior_medium(), outside = shape->exterior_medium();
+        active &= dr::select(path.medium == inside, outside, inside) == nullptr;
+        if (dr::none_or<false>(active))
+            return false;
+        Ray3f rest = path.ray;
+        const Point3f p = path.ray(hit.t);
+        rest.o = p + rest.d * ((1.f + dr::max(dr::abs(p))) * math::RayEpsilon<Float>);
+        rest.maxt = dr::Largest<Float>;
+        return active && !scene->ray_test(rest, active);
     }
 
     /// Weighs flights that have been drawn for longer, and end at `end` without a collision.
@@ -616,7 +643,7 @@ private:
             skip_emitters(scene, path, v, outside);
         add_emission(scene, found, path, v, outside || v.escapes);
 
-        Mask surface = outside && v.si.is_valid();
+        Mask surface = outside && v.si.is_valid() && !v.escapes;
         UInt32 next_depth = path.depth + 1;
         Mask goes_on = next_depth < m_max_depth;
         in_medium &= goes_on;
@@ -848,7 +875,7 @@ private:
         if (dr::none_or<false>(plays))
             return;
         Float brightest = dr::max(unpolarized_spectrum(path.throughput));
-        Float survival = dr::minimum(brightest * dr::square(path.eta) / DimThroughput, .95f);
+        Float survival = dr::minimum(brightest * dr::square(path.eta) / DimThroughput, MaxSurvival);
         path.active &= path.sampler->next_1d(plays) < survival || !plays;
         dr::masked(path.throughput, plays) *= dr::rcp(dr::detach(survival));
     }
