@@ -178,6 +178,47 @@ def test_boundary_agrees_with_volpath(variant, boundary):
     assert_like_volpath(scenes.ball(scenes.constant_fog(), boundary))
 
 
+def in_black_space(boundary=None):
+    """Collisions are forced in it, where a ray leaves; a light outside lies behind some rays."""
+    scene = scenes.ball({"type": "ref", "id": "medium"}, boundary)
+    del scene["sky"], scene["floor"]
+    behind = scenes.glowing_sphere([0.4, 1.6, 0.3], 0.3, 2)
+    return {"type": "scene", "medium": scenes.constant_fog(), **scene, "behind": behind}
+
+
+def hollow():
+    """Rays leave the fog for a hole in it, and meet it again."""
+    hole = scenes.sphere([-0.3, -0.5, 0.4], 0.3, bsdf={"type": "null"})
+    return in_black_space() | {"hole": hole | {"exterior": {"type": "ref", "id": "medium"}}}
+
+
+def shining():
+    """The boundary itself is a light source."""
+    scene = in_black_space()
+    scene["fog"] |= {"emitter": {"type": "area", "radiance": {"type": "uniform", "value": 0.3}}}
+    return scene
+
+
+@scalar_rgb
+@pytest.mark.parametrize("made", [in_black_space, hollow, shining])
+def test_boundary_in_black_space_agrees_with_volpath(variant, made):
+    assert_like_volpath(made())
+
+
+@scalar_rgb
+def test_collisions_are_forced_behind_a_boundary(variant):
+    """A mask of opacity 0 is the same boundary, but it might scatter."""
+
+    def sunlit(boundary=None):
+        scene = in_black_space(boundary)
+        return {name: scene[name] for name in ("type", "sensor", "medium", "fog", "sun")}
+
+    mask = {"type": "mask", "opacity": 0.0, "bsdf": scenes.GREY}
+    masked, bare = render(sunlit(mask), OURS, 0), render(sunlit(), OURS, 1)
+    assert_same_brightness(masked, bare)
+    assert bare.var(0).sum() < 0.6 * masked.var(0).sum()
+
+
 @scalar_rgb
 def test_hidden_emitters_agree_with_volpath(variant):
     """Alpha too: it says where something other than an emitter is seen.

@@ -14,6 +14,7 @@
 #include "channels.h"
 #include "integrators/distance_sampling.h"
 #include "integrators/lit_segment.h"
+#include "integrators/spread.h"
 #include "integrators/survey.h"
 #include "spectral_sampling.h"
 
@@ -48,6 +49,12 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
      chosen by the light it would bring. (Default: 0, which stands for 2 where there are several
      light sources, such as sun and sky, and for 1 otherwise)
 
+ * - paths
+   - |int|
+   - Paths per camera ray, 1 to 64: that many for each sample of the sampler. They are spread evenly
+     over what may become of their first flight and of their first vertex, and have the ray and its
+     wavelengths in common. (Default: 1)
+
  * - spectral_sampling
    - |string|
    - How paths through media are drawn whose extinction varies with colour or wavelength. ``mis``:
@@ -81,8 +88,9 @@ A volumetric path tracer for :ref:`analytic <medium-analytic>` media and their s
 inverting the optical depth, and light is attenuated by the exact transmittance, so there are no
 null collisions and no estimates of visibility through the medium. Where the extinction varies with
 wavelength, one path serves all channels: ``spectral_sampling`` says how. In scenes without an
-environment, rays that meet no surface are made to collide more often than in nature, at a lower
-weight: a clear sky before black space is as free of noise as a cloud. Light sources are combined
+environment, rays that meet no surface, or only an index-matched boundary of their medium, are made
+to collide more often than in nature, at a lower weight: a clear sky before black space is as free
+of noise as a cloud. Light sources are combined
 with phase functions and BSDFs by multiple importance sampling.
 
 Parameters and path depth are those of ``volpath``. Roulette spares paths that carry half of what
@@ -120,6 +128,10 @@ public:
         if (samples < 0 || samples > 64)
             Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
         m_emitter_samples = (uint32_t) samples;
+        int64_t paths = props.get<int64_t>("paths", 1);
+        if (paths < 1 || paths > 64)
+            Throw("paths must be between 1 and 64, got %i", paths);
+        m_paths = (uint32_t) paths;
         m_distances = one_of(props, "distance_sampling", distance_names(), m_distances);
     }
 
@@ -150,14 +162,34 @@ public:
         path.valid = !m_hide_emitters && scene->environment() != nullptr;
         path.sampler = sampler;
         path.behind = false;
-        if (m_rules.sampling == SpectralSampling::Single && Channels > 1)
-            path.throughput *= one_channel(sampler->next_1d(active));
+        if (m_paths == 1) {
+            trace(scene, found, path);
+            return { path.result, path.valid };
+        }
 
-        dr::tie(path) = dr::while_loop(
-            dr::make_tuple(path), [](const Path &p) { return p.active; },
-            [this, scene, kept = KeptSurvey(found)](Path &p) { extend(scene, kept, p); },
-            "analyticvolpath");
-        return { path.result, path.valid };
+        path.spread.draw(sampler, active);
+        struct Sum {
+            UInt32 paths = 0;
+            Spectrum result = 0.f;
+            Mask valid;
+            Sampler *sampler;
+            DRJIT_STRUCT(Sum, paths, result, valid, sampler)
+        } sum;
+        sum.valid = path.valid;
+        sum.sampler = sampler;
+        dr::tie(sum) = dr::while_loop(
+            dr::make_tuple(sum), [this](const Sum &s) { return s.paths < m_paths; },
+            [this, scene, path, kept = KeptSurvey(found)](Sum &s) {
+                Path one = path;
+                one.sampler = s.sampler;
+                one.spread.turn = Float(s.paths) / (ScalarFloat) m_paths;
+                trace(scene, kept, one);
+                s.result += one.result / (ScalarFloat) m_paths;
+                s.valid |= one.valid && s.paths == 0u; // any of them stands for all
+                s.paths += 1u;
+            },
+            "analyticvolpath paths");
+        return { sum.result, sum.valid };
     }
 
     std::string to_string() const override {
@@ -167,6 +199,7 @@ public:
             << "  rr_depth = " << m_rr_depth << "," << std::endl
             << "  hide_emitters = " << m_hide_emitters << "," << std::endl
             << "  emitter_samples = " << m_emitter_samples << "," << std::endl
+            << "  paths = " << m_paths << "," << std::endl
             << m_rules.to_string() << "," << std::endl
             << "  distance_sampling = " << name_of(distance_names(), m_distances) << std::endl
             << "]";
@@ -213,15 +246,18 @@ private:
         Mask behind;
         Mask valid;
         Sampler *sampler = nullptr;
+        Spread<Float> spread;
 
         DRJIT_STRUCT(Path, active, ray, medium, throughput, result, eta, depth, last, last_pdf,
-                     count_emission, behind, valid, sampler)
+                     count_emission, behind, valid, sampler, spread)
     };
 
     /// Where a ray ends: at a surface, in a collision, or outside the scene.
     struct Vertex {
         SurfaceInteraction3f si;
         MediumInteraction3f mi;
+        /// The first of the path where it scatters, or may.
+        Mask first;
         /// Collided with the medium, and scatters there.
         Mask scatters;
         /// Collided with nothing real: goes on from mi.p in the same direction.
@@ -259,6 +295,22 @@ private:
         return found;
     }
 
+    /// Traces a path to its end.
+    void trace(const Scene *scene, const Survey &found, Path &path) const {
+        if (m_rules.sampling == SpectralSampling::Single && Channels > 1)
+            path.throughput *= one_channel(path.sampler->next_1d(path.active));
+        dr::tie(path) = dr::while_loop(
+            dr::make_tuple(path), [](const Path &p) { return p.active; },
+            [this, scene, kept = KeptSurvey(found)](Path &p) { extend(scene, kept, p); },
+            "analyticvolpath");
+    }
+
+    /// A variate of the path, or in its place, where it is the `first` of its kind, one that is
+    /// spread over the paths of a ray.
+    Float spread(const Path &path, size_t slot, const Float &u, const Mask &first) const {
+        return m_paths > 1 ? dr::select(first, path.spread(slot), u) : u;
+    }
+
     // ---- Media
 
     /// Our medium behind a pointer; in scalar variants null if it is not ours.
@@ -287,7 +339,7 @@ private:
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit.active = false;
+        v.first = v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit.active = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -381,10 +433,11 @@ private:
             return false;
         const ShapePtr shape = hit.shape;
         const BSDFPtr bsdf = shape->bsdf();
-        active &= shape->is_medium_transition() && bsdf != nullptr &&
+        active &= shape->is_medium_transition() && !shape->is_emitter() && bsdf != nullptr &&
                   (bsdf->flags() & +BSDFFlags::All) == +BSDFFlags::Null;
         const MediumPtr inside = shape->interior_medium(), outside = shape->exterior_medium();
-        active &= dr::select(path.medium == inside, outside, inside) == nullptr;
+        active &= (path.medium == inside && outside == nullptr) ||
+                  (path.medium == outside && inside == nullptr);
         if (dr::none_or<false>(active))
             return false;
         Ray3f rest = path.ray;
@@ -404,7 +457,7 @@ private:
         dr::masked(flight.weight, active) = weight;
     }
 
-    FlightVariates variates(const Survey &found, const Path &path, const Mask &active) const {
+    FlightVariates variates(const Survey &found, Path &path, const Mask &active) const {
         FlightVariates u{ 0.f, 0.f, 0.f };
         if (!found.media())
             return u;
@@ -414,6 +467,12 @@ private:
             u.kind = path.sampler->next_1d(active);
         for (size_t i = 0; i < found.variates(); ++i)
             u.place[i] = path.sampler->next_1d(active);
+
+        const Mask first = active && path.spread.flight;
+        u.event = spread(path, SpreadSlot::Event, u.event, first);
+        for (size_t i = 0; i < found.variates(); ++i)
+            u.place[i] = spread(path, SpreadSlot::Place + i, u.place[i], first);
+        path.spread.flight &= !first;
         return u;
     }
 
@@ -670,6 +729,11 @@ private:
                 samples_light |= medium_samples_light;
         }
 
+        if (m_paths > 1) {
+            v.first = path.spread.vertex && (in_medium || samples_light);
+            path.spread.vertex &= !v.first;
+        }
+
         // ---- Light sources
         if (dr::any_or<true>(samples_light))
             dr::masked(path.result, samples_light) +=
@@ -679,6 +743,9 @@ private:
         // ---- Next direction
         Float u1 = path.sampler->next_1d(path.active);
         Point2f u2 = path.sampler->next_2d(path.active);
+        u1 = spread(path, SpreadSlot::Lobe, u1, v.first);
+        for (size_t i = 0; i < 2; ++i)
+            u2[i] = spread(path, SpreadSlot::Direction + i, u2[i], v.first);
         Spectrum weight = 1.f;
         Float pdf = 1.f, eta = 1.f;
         Vector3f direction = path.ray.d;
@@ -790,7 +857,10 @@ private:
                 draw_light(scene, found, path, v, here, bsdf, phase, in_medium, i, active);
             const Float own = brightness(path, other);
             total += own;
-            const Mask replaces = path.sampler->next_1d(active) * total < own;
+            Float u = path.sampler->next_1d(active);
+            if (i == 1)
+                u = spread(path, SpreadSlot::LightChoice, u, v.first);
+            const Mask replaces = u * total < own;
             kept = dr::select(replaces, other, kept);
             weight = dr::select(replaces, own, weight);
         }
@@ -807,6 +877,9 @@ private:
                            const PhaseFunctionPtr &phase, const Mask &in_medium, uint32_t index,
                            Mask active) const {
         Point2f u = path.sampler->next_2d(active);
+        if (index < 2)
+            for (size_t i = 0; i < 2; ++i)
+                u[i] = spread(path, SpreadSlot::Light + 2 * index + i, u[i], v.first);
         u.x() = (u.x() + (ScalarFloat) index) / (ScalarFloat) found.emitter_samples;
         auto [ds, light] = scene->sample_emitter_direction(here, u, false, active);
         active &= ds.pdf != 0.f;
@@ -888,6 +961,8 @@ private:
 
     /// Light samples per vertex, 0 for what the survey says.
     uint32_t m_emitter_samples;
+    /// Paths per camera ray.
+    uint32_t m_paths;
     FlightRules m_rules;
     DistanceSampling m_distances = DistanceSampling::FreeFlight;
     Survey m_survey;
