@@ -2,12 +2,13 @@
 
     python benches/spectral_efficiency.py [--scene NAME] [--variant NAME] [--rounds N] [--time S]
 
-Runs `analytic-media compare --strategies` on each scene, in all variants, and prints one table in
+Runs `analytic-media compare --strategies` on each scene, in all variants, and prints a table in
 Markdown: how many times the efficiency of `analyticvolpath` with spectral MIS is that of its other
 strategies, of the best stock method on our own medium, and of the best stock method on a grid. The
 best is that of each round. Cells are the median and the range over the rounds; images of stock
 methods have heavy tails, so each row is given a second time without the 0.1 % of pixels with the
-largest errors. Rows of means are geometric, over the scenes' medians.
+largest errors. Rows of means are geometric, over the scenes' medians. A second table has the means
+over each stock method by itself.
 
 A scene's report and summary.json go to a folder of its own; --print makes the table of what is
 there already.
@@ -28,6 +29,11 @@ COLUMNS = {
     "`tracking`": "analyticvolpath (tracking)@exact",
     "best stock, our medium": "best_tracking",
     "best stock, grid": "best_grid",
+}
+STOCK = {
+    f"`{integrator}`, {medium}": f"{integrator}@{key}"
+    for medium, key in {"our medium": "tracked", "64³ grid": 64, "256³ grid": 256}.items()
+    for integrator in ("volpath", "volpathmis")
 }
 ERRORS = {"all": "mse", "trimmed": "mse_trimmed"}
 
@@ -55,23 +61,42 @@ def measure(name, options):
 def table(summaries):
     """Markdown of all variants, scene by scene, and of the means over the scenes."""
     lines = [row("variant", "scene", "pixels", *COLUMNS), row(*["---"] * (3 + len(COLUMNS)))]
-    variants = dict.fromkeys(v for summary in summaries.values() for v in summary["variants"])
-    for variant in variants:
-        of_scenes = {
-            name: summary["variants"][variant]["efficiency_ratios"]
-            for name, summary in summaries.items()
-            if variant in summary["variants"]
-        }
+    for variant in variants(summaries):
         for pixels, kind in ERRORS.items():
-            ratios = {
-                name: [of_scene[kind].get(key) for key in COLUMNS.values()]
-                for name, of_scene in of_scenes.items()
-            }
-            for name, cells in ratios.items():
+            of_scenes = ratios(summaries, variant, kind, COLUMNS)
+            for name, cells in of_scenes.items():
                 lines.append(row(f"`{variant}`", name, pixels, *map(cell, cells)))
-            means = [geometric_mean(column) for column in zip(*ratios.values(), strict=True)]
+            means = map(geometric_mean, zip(*of_scenes.values(), strict=True))
             lines.append(row(f"`{variant}`", "**mean**", pixels, *means))
     return "\n".join(lines)
+
+
+def stock_table(summaries):
+    """Markdown of the means over the scenes, stock method by stock method."""
+    lines = [row("variant", "pixels", *STOCK), row(*["---"] * (2 + len(STOCK)))]
+    for variant in variants(summaries):
+        for pixels, kind in ERRORS.items():
+            of_scenes = ratios(summaries, variant, kind, STOCK)
+            means = map(geometric_mean, zip(*of_scenes.values(), strict=True))
+            lines.append(row(f"`{variant}`", pixels, *means))
+    return "\n".join(lines)
+
+
+def variants(summaries):
+    """Those of any scene, in order."""
+    return dict.fromkeys(v for summary in summaries.values() for v in summary["variants"])
+
+
+def ratios(summaries, variant, kind, columns):
+    """Of each scene that was rendered in the variant, in the order of the columns."""
+    return {
+        name: [
+            summary["variants"][variant]["efficiency_ratios"][kind].get(key)
+            for key in columns.values()
+        ]
+        for name, summary in summaries.items()
+        if variant in summary["variants"]
+    }
 
 
 def row(*cells):
@@ -107,7 +132,7 @@ def main():
     summaries = {
         name: json.loads((options.output / name / "summary.json").read_text()) for name in names
     }
-    print(table(summaries))
+    print(table(summaries), stock_table(summaries), sep="\n\n")
 
 
 if __name__ == "__main__":
