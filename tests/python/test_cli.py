@@ -11,7 +11,9 @@ mi = pytest.importorskip("mitsuba")
 SCENE = """
 <scene version="3.0.0">
     <default name="sigma" value="0.5"/>
-    <integrator type="analyticvolpath"><integer name="max_depth" value="4"/></integrator>
+    <integrator type="analyticvolpath">
+        <integer name="max_depth" value="4"/><integer name="paths" value="2"/>
+    </integrator>
     <medium type="analytic" id="fog">
         <string name="profile" value="linear"/>
         <float name="gradient" value="-0.5"/><float name="density" value="1"/>
@@ -89,6 +91,7 @@ def test_voxelize_writes_a_scene_for_stock_mitsuba(scene, tmp_path, capsys):
     written = output / "fog_4.xml"
     text = written.read_text()
     assert "analytic" not in text.replace("analytic-media voxelize", "")
+    assert "paths" not in text  # unknown to volpath
     assert '<float name="scale" value="0.25"' in text
     mi.set_variant("scalar_rgb")
     mi.file_resolver().prepend(str(output))

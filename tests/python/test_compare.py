@@ -7,7 +7,7 @@ import pytest
 
 mi = pytest.importorskip("mitsuba")
 
-from analytic_media.compare import compare, statistics, twin  # noqa: E402
+from analytic_media.compare import compare, statistics, twin, worker  # noqa: E402
 from analytic_media.compare.methods import (  # noqa: E402
     EXACT,
     OURS,
@@ -113,6 +113,33 @@ def test_twin_keeps_depths_of_the_integrator(scene, tmp_path):
     twin.set_integrator(copy, "volpathmis", rr_depth=6)
     props = twin.integrator_node(copy).props
     assert (props.plugin_name(), props["max_depth"], props["rr_depth"]) == ("volpathmis", 6, 6)
+
+
+@pytest.fixture
+def scene_of_three_paths(scene):
+    path = scene()
+    depth = '<integer name="max_depth" value="6"/>'
+    assert depth in SCENE
+    path.write_text(path.read_text().replace(depth, depth + '<integer name="paths" value="3"/>'))
+    return path
+
+
+def test_own_parameters_are_nothing_to_stock_integrators(scene_of_three_paths):
+    state = twin.parse(scene_of_three_paths, VARIANT)
+    assert twin.own_parameters(state) == {"max_depth": 6, "paths": 3}
+    twin.set_integrator(state, "volpath")
+    assert "paths" not in twin.integrator_node(state).props
+    assert twin.own_parameters(state) == {}
+
+
+def test_scene_is_rendered_with_its_own_parameters(scene_of_three_paths, tmp_path, monkeypatch):
+    made, load = [], mi.load_dict
+    monkeypatch.setattr(mi, "load_dict", lambda settings: made.append(settings) or load(settings))
+    job = worker.Job(str(scene_of_three_paths), VARIANT, "exact", str(tmp_path), 0)
+    renderer = worker._Renderer(job)
+    for plugin in OURS.plugin, {"type": "volpath"}:
+        renderer.render(plugin, 1, True)
+    assert [settings.get("paths") for settings in made[-2:]] == [3, None]
 
 
 def test_medium_without_a_box_is_voxelised_around_scene_and_camera(tmp_path):

@@ -90,8 +90,8 @@ null collisions and no estimates of visibility through the medium. Where the ext
 wavelength, one path serves all channels: ``spectral_sampling`` says how. In scenes without an
 environment, rays that meet no surface, or only an index-matched boundary of their medium, are made
 to collide more often than in nature, at a lower weight: a clear sky before black space is as free
-of noise as a cloud. Light sources are combined
-with phase functions and BSDFs by multiple importance sampling.
+of noise as a cloud. Light sources are combined with phase functions and BSDFs by multiple
+importance sampling.
 
 Parameters and path depth are those of ``volpath``. Roulette spares paths that carry half of what
 they began with, and passing an index-matched boundary plays none. Stock media in the same scene are
@@ -213,7 +213,7 @@ private:
     static constexpr ScalarFloat DimTransmittance = 0.25f;
     /// Paths that carry less than this end with a higher probability than others.
     static constexpr ScalarFloat DimThroughput = 0.5f;
-    /// All paths end at some time.
+    /// Where nothing is lost, paths have to end as well.
     static constexpr ScalarFloat MaxSurvival = 0.99f;
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.

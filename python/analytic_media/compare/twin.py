@@ -12,7 +12,8 @@ import numpy as np
 from . import media
 from .media import SceneError
 
-PATH_TRACERS = ("analyticvolpath", "volpath", "volpathmis", "prbvolpath")
+OURS = "analyticvolpath"
+PATH_TRACERS = (OURS, "volpath", "volpathmis", "prbvolpath")
 PATH_PARAMETERS = ("max_depth", "rr_depth", "hide_emitters")
 
 
@@ -73,6 +74,12 @@ def integrator_parameters(state):
     """max_depth, rr_depth and hide_emitters as far as the scene states them."""
     props = integrator_node(state).props
     return {key: props[key] for key in PATH_PARAMETERS if key in props}
+
+
+def own_parameters(state):
+    """All that the scene states of its `analyticvolpath`; nothing, if its integrator is another."""
+    props = integrator_node(state).props
+    return dict(props.items()) if props.plugin_name() == OURS else {}
 
 
 def set_integrator(state, plugin, **changes):

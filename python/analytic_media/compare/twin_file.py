@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from . import media, twin
+from .twin import PATH_PARAMETERS
 
 DEFAULT_PHASE = ElementTree.Element("phase", type="isotropic")
 VARIANT = "scalar_rgb"  # the scene is only parsed, any rgb variant serves
@@ -160,6 +161,9 @@ def edit_scene(root, scene, folder, parameters):
     for integrator in root.iter("integrator"):
         if integrator.get("type") == "analyticvolpath":
             integrator.set("type", "volpath")
+            for child in list(integrator):
+                if child.get("name") not in PATH_PARAMETERS:
+                    integrator.remove(child)
     for default in root.iter("default"):
         if default.get("name") in parameters:
             default.set("value", str(parameters[default.get("name")]))

@@ -87,6 +87,7 @@ class _Renderer:
 
         state = twin.parse(job.scene, job.variant, job.parameters)
         self._depths = twin.integrator_parameters(state)
+        self._own = twin.own_parameters(state)
         if job.resolution == TRACKED:
             state = twin.enclosed(state)
         elif job.resolution != EXACT:
@@ -129,6 +130,10 @@ class _Renderer:
         key = (*plugin.items(), roulette)
         if key not in self._integrators:
             settings = plugin | self._depths
+            if plugin["type"] == "analyticvolpath":
+                settings = self._own | settings
+            if "spectral_sampling" in plugin:
+                settings.pop("event_probabilities", None)
             if not roulette:
                 settings["rr_depth"] = _no_roulette(settings.get("max_depth", -1))
             self._integrators[key] = mi.load_dict(settings)
