@@ -214,7 +214,7 @@ private:
     /// Paths that carry less than this end with a higher probability than others.
     static constexpr ScalarFloat DimThroughput = 0.5f;
     /// Where nothing is lost, paths have to end as well.
-    static constexpr ScalarFloat MaxSurvival = 0.99f;
+    static constexpr ScalarFloat MaxSurvival = 0.95f;
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
