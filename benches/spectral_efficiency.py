@@ -10,7 +10,7 @@ methods have heavy tails, so each row is given a second time without the 0.1 % o
 largest errors. Rows of means are geometric, over the scenes' medians. A second table has the means
 over each stock method by itself.
 
-A scene's report and summary.json go to a folder of its own; --print makes the table of what is
+A scene's report and summary.json go to a folder of its own; --print makes the tables of what is
 there already.
 """
 

@@ -12,8 +12,8 @@ import numpy as np
 from . import media
 from .media import SceneError
 
-OURS = "analyticvolpath"
-PATH_TRACERS = (OURS, "volpath", "volpathmis", "prbvolpath")
+OUR_INTEGRATOR = "analyticvolpath"
+PATH_TRACERS = (OUR_INTEGRATOR, "volpath", "volpathmis", "prbvolpath")
 PATH_PARAMETERS = ("max_depth", "rr_depth", "hide_emitters")
 
 
@@ -79,7 +79,7 @@ def integrator_parameters(state):
 def own_parameters(state):
     """All that the scene states of its `analyticvolpath`; nothing, if its integrator is another."""
     props = integrator_node(state).props
-    return dict(props.items()) if props.plugin_name() == OURS else {}
+    return dict(props.items()) if props.plugin_name() == OUR_INTEGRATOR else {}
 
 
 def set_integrator(state, plugin, **changes):

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from . import media, twin
-from .twin import PATH_PARAMETERS
 
 DEFAULT_PHASE = ElementTree.Element("phase", type="isotropic")
 VARIANT = "scalar_rgb"  # the scene is only parsed, any rgb variant serves
@@ -159,10 +158,10 @@ def parameter(kind, name, value):
 def edit_scene(root, scene, folder, parameters):
     """A stock integrator, the given parameters as defaults, and file names that still lead home."""
     for integrator in root.iter("integrator"):
-        if integrator.get("type") == "analyticvolpath":
+        if integrator.get("type") == twin.OUR_INTEGRATOR:
             integrator.set("type", "volpath")
             for child in list(integrator):
-                if child.get("name") not in PATH_PARAMETERS:
+                if child.get("name") not in twin.PATH_PARAMETERS:
                     integrator.remove(child)
     for default in root.iter("default"):
         if default.get("name") in parameters:

@@ -127,10 +127,12 @@ class _Renderer:
     def _integrator(self, plugin, roulette):
         import mitsuba as mi
 
+        from . import twin
+
         key = (*plugin.items(), roulette)
         if key not in self._integrators:
             settings = plugin | self._depths
-            if plugin["type"] == "analyticvolpath":
+            if plugin["type"] == twin.OUR_INTEGRATOR:
                 settings = self._own | settings
             if "spectral_sampling" in plugin:
                 settings.pop("event_probabilities", None)
