@@ -53,6 +53,11 @@ struct FlightRules {
     /// Whether a flight takes a variate for what happens where it ends.
     bool has_events() const { return analogue || sampling == SpectralSampling::Tracking; }
 
+    /// Whether a path never carries more than it began with in the mean of its channels.
+    bool bounded() const {
+        return sampling == SpectralSampling::Mis || sampling == SpectralSampling::Single;
+    }
+
     std::string to_string() const {
         std::ostringstream oss;
         oss << "  spectral_sampling = " << name_of(sampling_names(), sampling) << "," << std::endl;

@@ -42,7 +42,14 @@ def space():
     return found
 
 
+def glass():
+    """A lens before the fog: what happens at its two surfaces is not spread."""
+    found = scenes.ball(sum_of_fogs(), pixel_format="rgb")
+    return found | {"lens": scenes.sphere([0, -1.7, 0.2], 0.5, bsdf={"type": "dielectric"})}
+
+
 SCENES = {
+    "glass": glass,
     "mask": twice_through_a_mask,
     "space": space,
     "valley": lambda: scenes.valley(sum_of_fogs(**scenes.VALLEY_BOX), pixel_format="rgb"),
@@ -95,12 +102,21 @@ def test_paths_have_less_noise_than_as_many_samples(variant):
 
 
 @scalar_rgb
-@pytest.mark.parametrize("paths", [0, -1, 65])
+@pytest.mark.parametrize("paths", [-1, 65])
 def test_bad_numbers_are_named(variant, paths):
-    with pytest.raises(RuntimeError, match=f"paths must be between 1 and 64, got {paths}"):
+    with pytest.raises(RuntimeError, match=rf"paths must be between 0 \(.*\) and 64, got {paths}"):
         mi.load_dict(OURS | {"paths": paths})
 
 
 @scalar_rgb
 def test_the_number_is_printed(variant):
-    assert "paths = 4" in str(mi.load_dict(SPREAD))
+    assert "paths = 3," in str(mi.load_dict(OURS | {"paths": 3}))
+
+
+@pytest.mark.parametrize(
+    ("variant", "paths"),
+    [("scalar_rgb", 4), ("llvm_ad_mono", 4), ("scalar_spectral", 1), ("llvm_ad_spectral", 1)],
+    indirect=["variant"],
+)
+def test_the_automatic_number_is_that_of_the_variant(variant, paths):
+    assert f"paths = {paths}," in str(mi.load_dict(OURS | {"paths": 0}))

@@ -199,8 +199,16 @@ def shining():
     return scene
 
 
+def shaded():
+    """Outside of the fog one stone stands before the lamp, and one behind it."""
+    before, behind = (
+        scenes.sphere([x, -x, x], radius, bsdf=scenes.GREY) for x, radius in ((0.9, 0.25), (2, 0.4))
+    )
+    return in_black_space() | {"before": before, "behind the lamp": behind}
+
+
 @scalar_rgb
-@pytest.mark.parametrize("made", [in_black_space, hollow, shining])
+@pytest.mark.parametrize("made", [in_black_space, hollow, shining, shaded])
 def test_boundary_in_black_space_agrees_with_volpath(variant, made):
     assert_like_volpath(made())
 

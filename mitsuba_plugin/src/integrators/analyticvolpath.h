@@ -36,8 +36,8 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
 
  * - rr_depth
    - |int|
-   - Path depth after which Russian roulette may end a path: those that carry less than half of
-     what they began with. (Default: 1; stock integrators take 5)
+   - Path depth after which Russian roulette may end a path: those that carry less than two
+     fifths of what they began with. (Default: 1; stock integrators take 5)
 
  * - hide_emitters
    - |bool|
@@ -52,8 +52,8 @@ Analytic volumetric path tracer (:monosp:`analyticvolpath`)
  * - paths
    - |int|
    - Paths per camera ray, 1 to 64: that many for each sample of the sampler. They are spread evenly
-     over what may become of their first flight and of their first vertex, and have the ray and its
-     wavelengths in common. (Default: 1)
+     over what may become of their first two flights and vertices, and have the ray and its
+     wavelengths in common. 0 stands for 4, and for 1 in spectral variants. (Default: 1)
 
  * - spectral_sampling
    - |string|
@@ -93,9 +93,9 @@ to collide more often than in nature, at a lower weight: a clear sky before blac
 of noise as a cloud. Light sources are combined with phase functions and BSDFs by multiple
 importance sampling.
 
-Parameters and path depth are those of ``volpath``. Roulette spares paths that carry half of what
-they began with, and passing an index-matched boundary plays none. Stock media in the same scene are
-rendered by delta tracking, and their transmittance is estimated by ratio tracking.
+Parameters and path depth are those of ``volpath``. Roulette spares paths that carry two fifths of
+what they began with, and passing an index-matched boundary plays none. Stock media in the same
+scene are rendered by delta tracking, and their transmittance is estimated by ratio tracking.
 
 .. tabs::
     .. code-tab:: xml
@@ -129,9 +129,9 @@ public:
             Throw("emitter_samples must be between 0 (automatic) and 64, got %i", samples);
         m_emitter_samples = (uint32_t) samples;
         int64_t paths = props.get<int64_t>("paths", 1);
-        if (paths < 1 || paths > 64)
-            Throw("paths must be between 1 and 64, got %i", paths);
-        m_paths = (uint32_t) paths;
+        if (paths < 0 || paths > 64)
+            Throw("paths must be between 0 (automatic) and 64, got %i", paths);
+        m_paths = paths > 0 ? (uint32_t) paths : AutomaticPaths;
         m_distances = one_of(props, "distance_sampling", distance_names(), m_distances);
     }
 
@@ -211,14 +211,18 @@ public:
 private:
     /// Shadow rays that less than this gets through are traced with a lower probability.
     static constexpr ScalarFloat DimTransmittance = 0.25f;
+    /// What is more probable than this needs no variate.
+    static constexpr ScalarFloat AlmostSure = 0.999f;
     /// Paths that carry less than this end with a higher probability than others.
-    static constexpr ScalarFloat DimThroughput = 0.5f;
-    /// Where nothing is lost, paths have to end as well.
-    static constexpr ScalarFloat MaxSurvival = 0.95f;
+    static constexpr ScalarFloat DimThroughput = 0.4f;
+    /// Where nothing is lost, paths have to end as well: sooner where weights grow without bound.
+    static constexpr ScalarFloat MaxSurvival = 0.99f, MaxSurvivalUnbounded = 0.95f;
     /// How much more probable than in nature collisions are on rays that leave the scene: those
     /// from the camera, and others. Measured on the sky of the Earth, docs/performance.md.
     static constexpr ScalarFloat CameraGain = 16.f, ScatteredGain = 4.f;
     static constexpr uint32_t DefaultRouletteDepth = 1;
+    /// More have less noise where a ray stands for all wavelengths.
+    static constexpr uint32_t AutomaticPaths = is_spectral_v<Spectrum> ? 1 : 4;
     /// Equiangular sampling follows phase functions up to this asymmetry, that of g = 0.98.
     static constexpr ScalarFloat MaxForwardness = 100.f;
     /// Colours or wavelengths of a path.
@@ -256,10 +260,14 @@ private:
     struct Vertex {
         SurfaceInteraction3f si;
         MediumInteraction3f mi;
-        /// The first of the path where it scatters, or may.
-        Mask first;
+        /// Number of its variates among those that are spread over the paths of a ray.
+        UInt32 step;
         /// Collided with the medium, and scatters there.
         Mask scatters;
+        /// What scatters there, in the medium or at a surface.
+        Interaction3f here;
+        BSDFPtr bsdf;
+        PhaseFunctionPtr phase;
         /// Collided with nothing real: goes on from mi.p in the same direction.
         Mask passes;
         /// Collided, and ends there.
@@ -305,10 +313,10 @@ private:
             "analyticvolpath");
     }
 
-    /// A variate of the path, or in its place, where it is the `first` of its kind, one that is
-    /// spread over the paths of a ray.
-    Float spread(const Path &path, size_t slot, const Float &u, const Mask &first) const {
-        return m_paths > 1 ? dr::select(first, path.spread(slot), u) : u;
+    /// A variate of the path, or in its place, in its first steps, one that is spread over the
+    /// paths of a ray.
+    Float spread(const Path &path, const UInt32 &step, size_t slot, const Float &u) const {
+        return m_paths > 1 ? path.spread(step, slot, u) : u;
     }
 
     // ---- Media
@@ -339,7 +347,8 @@ private:
     Vertex next_vertex(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v;
         v.mi = dr::zeros<MediumInteraction3f>();
-        v.first = v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit.active = false;
+        v.step = 0;
+        v.scatters = v.passes = v.absorbed = v.escapes = v.visible = v.lit.active = false;
 
         Mask in_medium = path.active && path.medium != nullptr;
         if (!found.media())
@@ -386,7 +395,8 @@ private:
         else if (ours) {
             v.escapes = in_ours && !hit.is_valid();
             if (found.permeable)
-                v.escapes |= leaves(scene, path, hit, in_ours && hit.is_valid());
+                v.escapes |= leaves(scene, path.ray, path.medium, hit, dr::Infinity<Float>,
+                                    in_ours && hit.is_valid());
             const Float gain =
                 dr::select(v.escapes, dr::select(path.depth == 0u, CameraGain, ScatteredGain), 1.f);
             flight =
@@ -426,9 +436,10 @@ private:
         return v;
     }
 
-    /// Whether a ray in a medium hits its index-matched boundary, and there is nothing behind.
-    static Mask leaves(const Scene *scene, const Path &path, const PreliminaryIntersection3f &hit,
-                       Mask active) {
+    /// Whether a ray in a medium hits its index-matched boundary, and there is nothing behind, up
+    /// to the distance `reach`.
+    static Mask leaves(const Scene *scene, const Ray3f &ray, const MediumPtr &medium,
+                       const PreliminaryIntersection3f &hit, const Float &reach, Mask active) {
         if (dr::none_or<false>(active))
             return false;
         const ShapePtr shape = hit.shape;
@@ -436,14 +447,15 @@ private:
         active &= shape->is_medium_transition() && !shape->is_emitter() && bsdf != nullptr &&
                   (bsdf->flags() & +BSDFFlags::All) == +BSDFFlags::Null;
         const MediumPtr inside = shape->interior_medium(), outside = shape->exterior_medium();
-        active &= (path.medium == inside && outside == nullptr) ||
-                  (path.medium == outside && inside == nullptr);
+        active &=
+            (medium == inside && outside == nullptr) || (medium == outside && inside == nullptr);
         if (dr::none_or<false>(active))
             return false;
-        Ray3f rest = path.ray;
-        const Point3f p = path.ray(hit.t);
-        rest.o = p + rest.d * ((1.f + dr::max(dr::abs(p))) * math::RayEpsilon<Float>);
-        rest.maxt = dr::Largest<Float>;
+        Ray3f rest = ray;
+        const Point3f p = ray(hit.t);
+        const Float skipped = (1.f + dr::max(dr::abs(p))) * math::RayEpsilon<Float>;
+        rest.o = dr::fmadd(rest.d, skipped, p);
+        rest.maxt = dr::clip(reach - hit.t - skipped, 0.f, dr::Largest<Float>);
         return active && !scene->ray_test(rest, active);
     }
 
@@ -468,11 +480,11 @@ private:
         for (size_t i = 0; i < found.variates(); ++i)
             u.place[i] = path.sampler->next_1d(active);
 
-        const Mask first = active && path.spread.flight;
-        u.event = spread(path, SpreadSlot::Event, u.event, first);
+        const UInt32 step = path.spread.flights;
+        u.event = spread(path, step, SpreadSlot::Event, u.event);
         for (size_t i = 0; i < found.variates(); ++i)
-            u.place[i] = spread(path, SpreadSlot::Place + i, u.place[i], first);
-        path.spread.flight &= !first;
+            u.place[i] = spread(path, step, SpreadSlot::Place + i, u.place[i]);
+        dr::masked(path.spread.flights, active) += 1;
         return u;
     }
 
@@ -555,13 +567,13 @@ private:
             mi = s.medium->sample_interaction(s.ray, s.sampler->next_1d(in_foreign), 0, in_foreign);
             dr::masked(s.ray.maxt, in_foreign) = dr::minimum(s.rest, mi.t);
         }
-        SurfaceInteraction3f si = scene->ray_intersect(s.ray, s.active);
-        Mask surface = s.active && si.is_valid(),
+        PreliminaryIntersection3f hit = scene->ray_intersect_preliminary(s.ray, false, s.active);
+        Mask surface = s.active && hit.is_valid(),
              collided = in_foreign && !surface && mi.t < s.rest,
              arrives = s.active && !surface && !collided;
 
         if (tracks) {
-            Float length = dr::maximum(dr::minimum(s.ray.maxt, si.t) - mi.mint, 0.f);
+            Float length = dr::maximum(dr::minimum(s.ray.maxt, hit.t) - mi.mint, 0.f);
             // Drawn from the first channel: the others are weighted.
             UnpolarizedSpectrum weight =
                 dr::exp(length * (mi.combined_extinction[0] - mi.combined_extinction));
@@ -569,28 +581,35 @@ private:
             dr::masked(s.result, in_foreign) *= weight;
         }
         if (found.analytic && dr::any_or<true>(in_ours)) {
-            Float end = dr::select(surface, si.t, s.rest + beyond);
+            Float end = dr::select(surface, hit.t, s.rest + beyond);
             dr::masked(s.result, in_ours) *= analytic->transmittance(s.ray, end, in_ours);
         }
         if (dr::any_or<true>(surface)) {
+            // Of dim rays only some are traced further. Those have chance 1 at the next surface, or
+            // a rounding less: whether they draw a variate must not hang on that.
+            const Float chance = dr::max(unpolarized_spectrum(s.result)) / DimTransmittance;
+            const Mask dim = surface && chance < AlmostSure;
+            if (dr::any_or<true>(dim)) {
+                const Mask goes_on = !dim || s.sampler->next_1d(dim) < chance;
+                dr::masked(s.result, dim) *= dr::select(goes_on, dr::rcp(chance), 0.f);
+                surface &= goes_on;
+            }
+            const Mask left = leaves(scene, s.ray, s.medium, hit, s.rest, in_ours && surface);
+            arrives |= left;
+            surface &= !left;
+        }
+        if (dr::any_or<true>(surface)) {
+            SurfaceInteraction3f si =
+                hit.compute_surface_interaction(s.ray, +RayFlags::All, surface);
             Spectrum through = si.bsdf(s.ray)->eval_null_transmission(si, surface);
             dr::masked(s.result, surface) *= si.to_world_mueller(through, si.wi, si.wi);
             Mask crosses = surface && si.is_medium_transition();
             dr::masked(s.medium, crosses) = si.target_medium(s.ray.d);
-            // Of dim rays only some are traced further.
-            const Float chance =
-                dr::minimum(dr::max(unpolarized_spectrum(s.result)) / DimTransmittance, 1.f);
-            const Mask dim = surface && chance < 1.f;
-            if (dr::any_or<true>(dim)) {
-                const Mask goes_on = !dim || s.sampler->next_1d(dim) < chance;
-                dr::masked(s.result, dim) *= dr::select(goes_on, dr::rcp(chance), 0.f);
-            }
+            dr::masked(s.ray, surface) = si.spawn_ray(s.ray.d);
         }
 
-        Float step = dr::select(surface, si.t, s.ray.maxt);
-        s.rest -= step;
         dr::masked(s.ray.o, collided) = s.ray(s.ray.maxt);
-        dr::masked(s.ray, surface) = si.spawn_ray(s.ray.d);
+        s.rest -= dr::select(hit.is_valid(), hit.t, s.ray.maxt);
         s.active &= !arrives && s.rest > 0.f && dr::any(unpolarized_spectrum(s.result) != 0.f);
     }
 
@@ -695,8 +714,7 @@ private:
     /// One vertex: emission found, light sampled, next direction.
     void extend(const Scene *scene, const Survey &found, Path &path) const {
         Vertex v = next_vertex(scene, found, path);
-        Mask in_medium = v.scatters,
-             outside = path.active && !v.scatters && !v.passes && !v.absorbed;
+        const Mask outside = path.active && !v.scatters && !v.passes && !v.absorbed;
 
         if (m_hide_emitters)
             skip_emitters(scene, path, v, outside);
@@ -705,23 +723,23 @@ private:
         Mask surface = outside && v.si.is_valid() && !v.escapes;
         UInt32 next_depth = path.depth + 1;
         Mask goes_on = next_depth < m_max_depth;
-        in_medium &= goes_on;
+        v.scatters &= goes_on;
         path.valid |= v.visible && goes_on && path.depth == 0u;
-        path.active &= surface || in_medium || v.passes;
+        path.active &= surface || v.scatters || v.passes;
         if (dr::none_or<false>(path.active))
             return;
 
-        Interaction3f here = dr::select(in_medium, Interaction3f(v.mi), Interaction3f(v.si));
-        BSDFPtr bsdf = dr::zeros<BSDFPtr>();
-        PhaseFunctionPtr phase = dr::zeros<PhaseFunctionPtr>();
+        v.here = dr::select(v.scatters, Interaction3f(v.mi), Interaction3f(v.si));
+        v.bsdf = dr::zeros<BSDFPtr>();
+        v.phase = dr::zeros<PhaseFunctionPtr>();
         Mask samples_light = false, medium_samples_light = false;
         if (dr::any_or<true>(surface)) {
-            bsdf = v.si.bsdf(path.ray);
-            samples_light = surface && goes_on && has_flag(bsdf->flags(), BSDFFlags::Smooth);
+            v.bsdf = v.si.bsdf(path.ray);
+            samples_light = surface && goes_on && has_flag(v.bsdf->flags(), BSDFFlags::Smooth);
         }
-        if (found.media() && dr::any_or<true>(in_medium)) {
-            dr::masked(phase, in_medium) = path.medium->phase_function();
-            medium_samples_light = in_medium && path.medium->use_emitter_sampling();
+        if (found.media() && dr::any_or<true>(v.scatters)) {
+            dr::masked(v.phase, v.scatters) = path.medium->phase_function();
+            medium_samples_light = v.scatters && path.medium->use_emitter_sampling();
             // Light of sources at a point may have been found on the way.
             if (found.only_points && m_distances == DistanceSampling::Equiangular)
                 samples_light |= medium_samples_light && !v.lit.active;
@@ -729,50 +747,48 @@ private:
                 samples_light |= medium_samples_light;
         }
 
-        if (m_paths > 1) {
-            v.first = path.spread.vertex && (in_medium || samples_light);
-            path.spread.vertex &= !v.first;
-        }
+        const Mask spreads = v.scatters || samples_light;
+        v.step = dr::select(spreads, path.spread.vertices, Spread<Float>::Steps);
+        dr::masked(path.spread.vertices, spreads) += 1;
 
         // ---- Light sources
         if (dr::any_or<true>(samples_light))
             dr::masked(path.result, samples_light) +=
-                path.throughput *
-                sample_lights(scene, found, path, v, here, bsdf, phase, in_medium, samples_light);
+                path.throughput * sample_lights(scene, found, path, v, samples_light);
 
         // ---- Next direction
         Float u1 = path.sampler->next_1d(path.active);
         Point2f u2 = path.sampler->next_2d(path.active);
-        u1 = spread(path, SpreadSlot::Lobe, u1, v.first);
+        u1 = spread(path, v.step, SpreadSlot::Lobe, u1);
         for (size_t i = 0; i < 2; ++i)
-            u2[i] = spread(path, SpreadSlot::Direction + i, u2[i], v.first);
+            u2[i] = spread(path, v.step, SpreadSlot::Direction + i, u2[i]);
         Spectrum weight = 1.f;
         Float pdf = 1.f, eta = 1.f;
         Vector3f direction = path.ray.d;
         UInt32 lobes = +BSDFFlags::Null;
 
         if (dr::any_or<true>(surface)) {
-            auto [bs, bsdf_weight] = bsdf->sample(BSDFContext(), v.si, u1, u2, surface);
+            auto [bs, bsdf_weight] = v.bsdf->sample(BSDFContext(), v.si, u1, u2, surface);
             dr::masked(weight, surface) = v.si.to_world_mueller(bsdf_weight, -bs.wo, v.si.wi);
             dr::masked(pdf, surface) = bs.pdf;
             dr::masked(eta, surface) = bs.eta;
             dr::masked(direction, surface) = v.si.to_world(bs.wo);
             dr::masked(lobes, surface) = bs.sampled_type;
         }
-        if (found.media() && dr::any_or<true>(in_medium)) {
+        if (found.media() && dr::any_or<true>(v.scatters)) {
             auto [wo, phase_weight, phase_pdf] =
-                phase->sample(PhaseFunctionContext(path.sampler), v.mi, u1, u2, in_medium);
-            dr::masked(weight, in_medium) = phase_weight;
-            dr::masked(pdf, in_medium) = phase_pdf;
-            dr::masked(direction, in_medium) = wo;
-            dr::masked(lobes, in_medium) = +BSDFFlags::DiffuseReflection;
+                v.phase->sample(PhaseFunctionContext(path.sampler), v.mi, u1, u2, v.scatters);
+            dr::masked(weight, v.scatters) = phase_weight;
+            dr::masked(pdf, v.scatters) = phase_pdf;
+            dr::masked(direction, v.scatters) = wo;
+            dr::masked(lobes, v.scatters) = +BSDFFlags::DiffuseReflection;
         }
 
         // ---- Move on
-        Mask scattered = (surface && !has_flag(lobes, BSDFFlags::Null)) || in_medium;
+        Mask scattered = (surface && !has_flag(lobes, BSDFFlags::Null)) || v.scatters;
         dr::masked(path.throughput, path.active) *= weight;
         path.eta *= eta;
-        dr::masked(path.ray, surface || in_medium) = here.spawn_ray(direction);
+        dr::masked(path.ray, surface || v.scatters) = v.here.spawn_ray(direction);
         dr::masked(path.ray.o, v.passes) = v.mi.p;
         path.ray.maxt = dr::Largest<Float>;
         if (found.media() && found.permeable) {
@@ -780,12 +796,12 @@ private:
             dr::masked(path.medium, crosses) = v.si.target_medium(direction);
         }
 
-        dr::masked(path.last, scattered) = here;
+        dr::masked(path.last, scattered) = v.here;
         dr::masked(path.last_pdf, scattered) = pdf;
         path.valid |= scattered && !v.escapes && path.depth == 0u;
         dr::masked(path.depth, scattered) = next_depth;
         Mask unsampled =
-            (surface && has_flag(lobes, BSDFFlags::Delta)) || (in_medium && !medium_samples_light);
+            (surface && has_flag(lobes, BSDFFlags::Delta)) || (v.scatters && !medium_samples_light);
         dr::masked(path.count_emission, scattered) = unsampled;
 
         path.active &= pdf > 0.f && path.depth < m_max_depth &&
@@ -846,20 +862,16 @@ private:
      * than all else about a sample.
      */
     Spectrum sample_lights(const Scene *scene, const Survey &found, const Path &path,
-                           const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
-                           const PhaseFunctionPtr &phase, const Mask &in_medium,
-                           const Mask &active) const {
-        LightSample kept =
-            draw_light(scene, found, path, v, here, bsdf, phase, in_medium, 0, active);
+                           const Vertex &v, const Mask &active) const {
+        LightSample kept = draw_light(scene, found, path, v, 0, active);
         Float weight = brightness(path, kept), total = weight;
         for (uint32_t i = 1; i < found.emitter_samples; ++i) {
-            const LightSample other =
-                draw_light(scene, found, path, v, here, bsdf, phase, in_medium, i, active);
+            const LightSample other = draw_light(scene, found, path, v, i, active);
             const Float own = brightness(path, other);
             total += own;
             Float u = path.sampler->next_1d(active);
             if (i == 1)
-                u = spread(path, SpreadSlot::LightChoice, u, v.first);
+                u = spread(path, v.step, SpreadSlot::LightChoice, u);
             const Mask replaces = u * total < own;
             kept = dr::select(replaces, other, kept);
             weight = dr::select(replaces, own, weight);
@@ -867,37 +879,35 @@ private:
         if (found.emitter_samples > 1)
             kept.value *=
                 dr::select(weight > 0.f, total / weight, 0.f) / (ScalarFloat) found.emitter_samples;
-        return trace_light(scene, found, path, v, kept, in_medium);
+        return trace_light(scene, found, path, v, kept);
     }
 
     /// Sample number `index` of the light sources: the unit interval that chooses one of them is
     /// divided between the samples.
     LightSample draw_light(const Scene *scene, const Survey &found, const Path &path,
-                           const Vertex &v, const Interaction3f &here, const BSDFPtr &bsdf,
-                           const PhaseFunctionPtr &phase, const Mask &in_medium, uint32_t index,
-                           Mask active) const {
+                           const Vertex &v, uint32_t index, Mask active) const {
         Point2f u = path.sampler->next_2d(active);
         if (index < 2)
             for (size_t i = 0; i < 2; ++i)
-                u[i] = spread(path, SpreadSlot::Light + 2 * index + i, u[i], v.first);
+                u[i] = spread(path, v.step, SpreadSlot::Light + 2 * index + i, u[i]);
         u.x() = (u.x() + (ScalarFloat) index) / (ScalarFloat) found.emitter_samples;
-        auto [ds, light] = scene->sample_emitter_direction(here, u, false, active);
+        auto [ds, light] = scene->sample_emitter_direction(v.here, u, false, active);
         active &= ds.pdf != 0.f;
         if (dr::none_or<false>(active))
             return {};
 
         Spectrum value = 0.f;
         Float value_pdf = 0.f;
-        Mask at_surface = active && !in_medium, at_medium = active && in_medium;
+        Mask at_surface = active && !v.scatters, at_medium = active && v.scatters;
         if (dr::any_or<true>(at_surface)) {
             Vector3f wo = v.si.to_local(ds.d);
-            auto [bsdf_value, bsdf_pdf] = bsdf->eval_pdf(BSDFContext(), v.si, wo, at_surface);
+            auto [bsdf_value, bsdf_pdf] = v.bsdf->eval_pdf(BSDFContext(), v.si, wo, at_surface);
             dr::masked(value, at_surface) = v.si.to_world_mueller(bsdf_value, -wo, v.si.wi);
             dr::masked(value_pdf, at_surface) = bsdf_pdf;
         }
         if (found.media() && dr::any_or<true>(at_medium)) {
             auto [phase_value, phase_pdf] =
-                phase->eval_pdf(PhaseFunctionContext(path.sampler), v.mi, ds.d, at_medium);
+                v.phase->eval_pdf(PhaseFunctionContext(path.sampler), v.mi, ds.d, at_medium);
             dr::masked(value, at_medium) = phase_value;
             dr::masked(value_pdf, at_medium) = phase_pdf;
         }
@@ -916,7 +926,7 @@ private:
 
         const Mask infinite = active && has_flag(ds.emitter->flags(), EmitterFlags::Infinite);
         // The size of the scene is no part of it: a frozen function would not know it.
-        const Ray3f ray = dr::select(infinite, here.spawn_ray(ds.d), here.spawn_ray_to(ds.p));
+        const Ray3f ray = dr::select(infinite, v.here.spawn_ray(ds.d), v.here.spawn_ray_to(ds.p));
         return { active, ray, infinite, dr::select(active, value * light * mis, 0.f) };
     }
 
@@ -927,10 +937,10 @@ private:
 
     /// What gets through to the vertex of a light sample.
     Spectrum trace_light(const Scene *scene, const Survey &found, const Path &path, const Vertex &v,
-                         const LightSample &light, const Mask &in_medium) const {
+                         const LightSample &light) const {
         if (dr::none_or<false>(light.active))
             return 0.f;
-        const Mask at_surface = light.active && !in_medium;
+        const Mask at_surface = light.active && !v.scatters;
         MediumPtr medium = path.medium;
         if (found.media() && found.permeable && dr::any_or<true>(at_surface)) {
             Mask crosses = at_surface && v.si.is_medium_transition();
@@ -941,14 +951,15 @@ private:
         return dr::select(light.active, light.value * through, 0.f);
     }
 
-    /// Ends paths that carry little, and makes up for them by the rest. Those that carry half of
-    /// what they began with, or more, are as good as spared: measured, docs/performance.md.
+    /// Ends paths that carry little, and makes up for them by the rest. Those that carry two fifths
+    /// of what they began with, or more, are as good as spared: measured, docs/performance.md.
     void play_roulette(Path &path, const Mask &scattered) const {
         Mask plays = path.active && scattered && path.depth > m_rr_depth;
         if (dr::none_or<false>(plays))
             return;
         Float brightest = dr::max(unpolarized_spectrum(path.throughput));
-        Float survival = dr::minimum(brightest * dr::square(path.eta) / DimThroughput, MaxSurvival);
+        const ScalarFloat most = m_rules.bounded() ? MaxSurvival : MaxSurvivalUnbounded;
+        Float survival = dr::minimum(brightest * dr::square(path.eta) / DimThroughput, most);
         path.active &= path.sampler->next_1d(plays) < survival || !plays;
         dr::masked(path.throughput, plays) *= dr::rcp(dr::detach(survival));
     }
@@ -961,7 +972,7 @@ private:
 
     /// Light samples per vertex, 0 for what the survey says.
     uint32_t m_emitter_samples;
-    /// Paths per camera ray.
+    /// Paths per camera ray, at least 1.
     uint32_t m_paths;
     FlightRules m_rules;
     DistanceSampling m_distances = DistanceSampling::FreeFlight;

@@ -7,13 +7,13 @@
 
 namespace mitsuba {
 
-/// What a variate decides.
+/// What a variate of a step decides, of a flight and the vertex where it ends.
 enum SpreadSlot : uint32_t {
-    /// Whether the first flight collides, and in which channel.
+    /// Whether the flight collides, and in which channel.
     Event = 0,
     /// Where: one for each of the components that have a variate.
     Place = 1,
-    /// The direction that leads on from the first vertex.
+    /// The direction that leads on from the vertex.
     Lobe = 5,
     Direction = 6,
     /// Its light samples, and which of them is traced.
@@ -23,35 +23,43 @@ enum SpreadSlot : uint32_t {
 };
 
 /**
- * The variates of a path up to its first vertex, by a lattice that is shifted at random (Cranley
+ * The variates of a path up to its second vertex, by a lattice that is shifted at random (Cranley
  * and Patterson 1976): those of number k of n paths are k/n apart from those of the first, around
  * the unit interval. Each path by itself has variates that are uniform and independent.
  */
 template <typename Float_> struct Spread {
     using Float = Float_;
+    using UInt32 = dr::uint32_array_t<Float>;
     using Mask = dr::mask_t<Float>;
-    using Shift = dr::Array<Float, SpreadSlots>;
 
-    /// Variates of the first path.
+    /// Flights, and vertices, whose variates are spread: more bring nothing.
+    static constexpr uint32_t Steps = 2;
+    using Shift = dr::Array<Float, Steps * SpreadSlots>;
+
+    /// Variates of the first path, step by step.
     Shift shift = 0.f;
     /// k/n.
     Float turn = 0.f;
-    /// The first flight through a medium is still to come, and the first vertex.
-    Mask flight = false, vertex = false;
+    /// How many flights and vertices the path has had.
+    UInt32 flights = 0, vertices = 0;
 
     /// Draws those of the first path.
     template <typename Sampler> void draw(Sampler *sampler, const Mask &active) {
-        for (size_t i = 0; i < SpreadSlots; ++i)
+        for (size_t i = 0; i < dr::size_v<Shift>; ++i)
             shift[i] = sampler->next_1d(active);
-        flight = vertex = active;
     }
 
-    Float operator()(size_t slot) const {
-        const Float u = shift[slot] + turn;
-        return dr::minimum(u - dr::select(u < 1.f, 0.f, 1.f), dr::OneMinusEpsilon<Float>);
+    /// That of a step; `u`, where the step is none of those.
+    Float operator()(const UInt32 &step, size_t slot, const Float &u) const {
+        Float of_step = shift[slot];
+        for (uint32_t i = 1; i < Steps; ++i)
+            of_step = dr::select(step == i, shift[i * SpreadSlots + slot], of_step);
+        of_step += turn;
+        of_step -= dr::select(of_step < 1.f, 0.f, 1.f);
+        return dr::select(step < Steps, dr::minimum(of_step, dr::OneMinusEpsilon<Float>), u);
     }
 
-    DRJIT_STRUCT(Spread, shift, turn, flight, vertex)
+    DRJIT_STRUCT(Spread, shift, turn, flights, vertices)
 };
 
 } // namespace mitsuba
