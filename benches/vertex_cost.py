@@ -48,7 +48,7 @@ def scene(integrator, medium, boundary=""):
     """The valley with another fog and integrator."""
     text = (SCENES / "height_fog.xml").read_text()
     text = re.sub(r"<medium.*?</medium>", medium + FOG, text, flags=re.S)
-    text = re.sub(r'<default name="(sigma_t|scale_height|max_depth)".*?/>', "", text)
+    text = re.sub(r'<default name="(sigma_t|scale_height|max_depth|paths)".*?/>', "", text)
     text = re.sub(r"<integrator.*?</integrator>", integrator, text, flags=re.S)
     text = text.replace("</scene>", boundary + "</scene>")
     return mi.load_string(text, res_x="160", res_y="100")
