@@ -95,7 +95,8 @@ importance sampling.
 
 Parameters and path depth are those of ``volpath``. Roulette spares paths that carry two fifths of
 what they began with, and passing an index-matched boundary plays none. Stock media in the same
-scene are rendered by delta tracking, and their transmittance is estimated by ratio tracking.
+scene are rendered by delta tracking, and their transmittance is estimated by ratio tracking. For
+derivatives there is ``prbanalyticvolpath``.
 
 .. tabs::
     .. code-tab:: xml
