@@ -485,7 +485,8 @@ private:
         u.event = spread(path, step, SpreadSlot::Event, u.event);
         for (size_t i = 0; i < found.variates(); ++i)
             u.place[i] = spread(path, step, SpreadSlot::Place + i, u.place[i]);
-        dr::masked(path.spread.flights, active) += 1;
+        if (m_paths > 1)
+            dr::masked(path.spread.flights, active) += 1;
         return u;
     }
 
@@ -511,6 +512,19 @@ private:
         v.passes |= passes;
     }
 
+    /// Which shadow rays are traced further, and what their light is to be multiplied by: of dim
+    /// ones only some. Those carry DimTransmittance then, or a rounding less: whether they draw a
+    /// variate at the next surface must not hang on that.
+    static std::pair<Mask, Float> spare(Sampler *sampler, const UnpolarizedSpectrum &carried,
+                                        const Mask &active) {
+        const Float chance = dr::max(carried) / DimTransmittance;
+        const Mask dim = active && chance < AlmostSure;
+        if (dr::none_or<false>(dim))
+            return { active, 1.f };
+        const Mask ends = dim && sampler->next_1d(dim) >= chance;
+        return { active && !ends, dr::select(ends, 0.f, dr::select(dim, dr::rcp(chance), 1.f)) };
+    }
+
     /// Transmittance of everything between a vertex and a light source at the end of `ray`.
     Spectrum transmittance(const Scene *scene, const Survey &found, Sampler *sampler, Ray3f ray,
                            MediumPtr medium, const Mask &infinite, Mask active) const {
@@ -523,11 +537,9 @@ private:
             if (found.media() && dr::any_or<true>(in_medium)) {
                 UnpolarizedSpectrum through =
                     as_analytic(found, medium)->transmittance(ray, ray.maxt + beyond, in_medium);
-                Float chance = dr::minimum(dr::max(through) / DimTransmittance, 1.f);
-                Mask dim = in_medium && chance < 1.f;
-                if (dr::any_or<true>(dim))
-                    active &= !dim || sampler->next_1d(dim) < chance;
-                dr::masked(result, in_medium) *= dr::select(active, through / chance, 0.f);
+                const auto [traced, weight] = spare(sampler, through, in_medium);
+                active &= traced || !in_medium;
+                dr::masked(result, in_medium) *= through * weight;
             }
             dr::masked(result, active) = dr::select(scene->ray_test(ray, active), 0.f, result);
             return result;
@@ -586,18 +598,14 @@ private:
             dr::masked(s.result, in_ours) *= analytic->transmittance(s.ray, end, in_ours);
         }
         if (dr::any_or<true>(surface)) {
-            // Of dim rays only some are traced further. Those have chance 1 at the next surface, or
-            // a rounding less: whether they draw a variate must not hang on that.
-            const Float chance = dr::max(unpolarized_spectrum(s.result)) / DimTransmittance;
-            const Mask dim = surface && chance < AlmostSure;
-            if (dr::any_or<true>(dim)) {
-                const Mask goes_on = !dim || s.sampler->next_1d(dim) < chance;
-                dr::masked(s.result, dim) *= dr::select(goes_on, dr::rcp(chance), 0.f);
-                surface &= goes_on;
+            const auto [traced, weight] = spare(s.sampler, unpolarized_spectrum(s.result), surface);
+            dr::masked(s.result, surface) *= weight;
+            surface &= traced;
+            if (found.analytic) {
+                const Mask left = leaves(scene, s.ray, s.medium, hit, s.rest, in_ours && surface);
+                arrives |= left;
+                surface &= !left;
             }
-            const Mask left = leaves(scene, s.ray, s.medium, hit, s.rest, in_ours && surface);
-            arrives |= left;
-            surface &= !left;
         }
         if (dr::any_or<true>(surface)) {
             SurfaceInteraction3f si =
@@ -748,9 +756,11 @@ private:
                 samples_light |= medium_samples_light;
         }
 
-        const Mask spreads = v.scatters || samples_light;
-        v.step = dr::select(spreads, path.spread.vertices, Spread<Float>::Steps);
-        dr::masked(path.spread.vertices, spreads) += 1;
+        if (m_paths > 1) {
+            const Mask spreads = v.scatters || samples_light;
+            v.step = dr::select(spreads, path.spread.vertices, Spread<Float>::Steps);
+            dr::masked(path.spread.vertices, spreads) += 1;
+        }
 
         // ---- Light sources
         if (dr::any_or<true>(samples_light))
